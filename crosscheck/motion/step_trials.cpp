@@ -16,7 +16,7 @@ namespace dynwitness::crosscheck {
 namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
-constexpr long kMostSteps = 1L << 21;
+constexpr long kMostSteps = 1L << 21, kMostForEnd = 1L << 19;
 
 /// A method's ends of one motion, and what they cost.
 class Ends {
@@ -93,8 +93,8 @@ StepRun runWithStep(const scene::Scene& scene, const std::string& method, double
 
 TriedStep largestStepTried(const scene::Scene& scene, const std::string& method, double duration,
                            double first, double most_kinetic) {
-  constexpr double kGrowth = 1.1;
-  constexpr int kInARow = 3, kBisections = 2;
+  constexpr double kGrowth = 1.05;
+  constexpr int kInARow = 6, kBisections = 2;
   TriedStep out;
   const auto holds = [&](double h) {
     const StepRun run = runWithStep(scene, method, duration, h, most_kinetic);
@@ -108,10 +108,7 @@ TriedStep largestStepTried(const scene::Scene& scene, const std::string& method,
     if (duration / start > static_cast<double>(kMostSteps)) return out;
     const double known_to_fail = out.beyond > 0 ? out.beyond : kAny;
     int in_a_row = 0;
-    bool is_broken = false;
-    for (double h = start; h <= duration && h < known_to_fail && !is_broken; h *= kGrowth) {
-      is_broken = !holds(h);
-      if (is_broken) break;
+    for (double h = start; h <= duration && h < known_to_fail && holds(h); h *= kGrowth) {
       out.step = h;
       ++in_a_row;
     }
@@ -169,7 +166,7 @@ AccurateStep accurateStep(const scene::Scene& scene, const std::string& method, 
     // far from its order an error says nothing: one doubling at a time
     const double wanted = kSurely * std::pow(error / accuracy, 1 / order);
     const long next = scaled(steps, error < 1 ? std::clamp(wanted, kTenth, kMostAtOnce) : 2.0);
-    if (next > kMostSteps) {
+    if (next > kMostForEnd) {
       if (error < 1) {
         out.is_predicted = true;
         found(scaled(steps, wanted), static_cast<double>(calls) * wanted);

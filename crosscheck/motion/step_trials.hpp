@@ -26,14 +26,14 @@ StepRun runWithStep(const scene::Scene& scene, const std::string& method, double
                     double step, double most_kinetic);
 
 /** The largest step of those tried at which, as at all shorter ones that were tried, a run of the
-    whole motion holds: in steps growing by a tenth from half of `first`, or from as many halvings
-    below it as it takes until three in a row hold.
+    whole motion holds: in steps growing by a twentieth from half of `first`, or from as many
+    halvings below it as it takes until six in a row hold.
 
     A prediction by one step's map does not see what is tried here: that a run which gains leaves the
     motion and gains more there, that an implicit step has no solution that Newton's method finds,
     and that what holds at a longer step may fail at a shorter one, where a swing's phase is met. */
 struct TriedStep {
-  double step = 0;    ///< [s]; infinity: any up to the duration; 0: none of 2^21 steps or less
+  double step = 0;    ///< [s]; infinity: any up to the duration; 0: none with up to 2^21 steps
   double beyond = 0;  ///< the next step tried, which does not hold [s]
   bool is_unsolved = false;  ///< beyond it an implicit step has no solution
   int runs = 0;
@@ -58,7 +58,7 @@ KnownEnd knownEnd(const scene::Scene& scene, double duration, double accuracy);
 struct AccurateStep {
   double step = 0;   ///< [s]; 0: not found
   double calls = 0;  ///< of the equations, at that step
-  /// It would take more than 2^21 steps: by its order from a coarser run, and not run itself.
+  /// It would take more than 2^19 steps: by its order from a coarser run, and not run itself.
   bool is_predicted = false;
   long tried_calls = 0;  ///< of the equations, in all runs
   std::string why;       ///< no step was found
