@@ -63,13 +63,14 @@ int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, dou
                                   "method", "predicted [s]", "lambda there [1/s]", "h|lambda|",
                                   "measured [s]", "beyond it", "accurate [s]", "calls");
   std::string cheapest, troubles;
-  double fewest = 0, step = 0, trials = 0;
+  double fewest = 0, step = 0, trials = 0, known_to = 0;
   int runs = 0;
   {
     Progress progress(static_cast<int>(methods.size()) + 1);
     progress.stage("spectrum along the motion");
     const SpectrumAlong spectrum = spectrumAlong(scene, duration);
     const KnownEnd end = knownEnd(scene, duration, accuracy);
+    known_to = end.error;
     for (const std::string& method : methods) {
       progress.stage(method);
       const StepAdvice stable = adviseStep(scene, spectrum, method);
@@ -96,9 +97,9 @@ int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, dou
       "along the motion, measured in {} runs around that; beyond it: a run gains that energy, or "
       "an implicit step has no solution\n"
       "# step for an error of {:.3g} at the end [rad, m, rad/s, m/s], measured against "
-      "runge_kutta_fehlberg78 (known to {:.0e}); calls of the equations with it. All trials took "
+      "runge_kutta_fehlberg78 (known to {:.1g}); calls of the equations with it. All trials took "
       "{:.3g} calls\n{}{}",
-      scene.name, duration, runs, accuracy, accuracy / 100, trials, table, troubles);
+      scene.name, duration, runs, accuracy, known_to, trials, table, troubles);
   if (cheapest.empty())
     fmt::print("cheapest     none: no method keeps that error, allowed: a shorter --duration\n");
   else

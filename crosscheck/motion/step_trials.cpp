@@ -125,15 +125,20 @@ TriedStep largestStepTried(const scene::Scene& scene, const std::string& method,
 }
 
 KnownEnd knownEnd(const scene::Scene& scene, double duration, double accuracy) {
-  constexpr long kFewest = 64, kMost = 1L << 17;
-  constexpr double kFiner = 100;
-  Ends ends(scene, "runge_kutta_fehlberg78", duration);
+  constexpr long kFewest = 64, kMost = 1L << 16;
+  constexpr double kFiner = 10;
+  using Real = long double;  // a wild motion makes much of a double's rounding
+  TreeMotion<Real> motion(scene.mechanism);
   KnownEnd out;
   for (long steps = kFewest; steps <= kMost; steps *= 2) {
-    std::vector<long double> now = ends.after(steps, out.y);
+    std::vector<Real> y = startOf<Real>(scene);
+    const auto stepper = stepsOf<Real>("runge_kutta_fehlberg78", motion);
+    const Real h = Real(duration) / static_cast<Real>(steps);
+    for (long k = 0; k < steps; ++k) stepper->step(&y, static_cast<Real>(k) * h, h);
+    const std::vector<Real> now = placed(scene.mechanism, y, out.y);
     const bool is_first = out.y.empty();
     if (!is_first) out.error = static_cast<double>(largestGap(now, out.y, now.size()));
-    out.y = std::move(now);
+    out.y = now;
     if (!is_first && out.error < accuracy / kFiner) return out;
   }
   throw std::runtime_error(

@@ -47,9 +47,9 @@ struct KnownEnd {
   std::vector<long double> y;  ///< as placed() has it
   double error = 0;            ///< what halving the step changed last [rad, m, rad/s, m/s]
 };
-/** By Runge-Kutta-Fehlberg 7(8), whose step is halved until the end changes by less than a
-    hundredth of `accuracy`.
-    @throws std::runtime_error  it does not with 2^17 steps */
+/** By Runge-Kutta-Fehlberg 7(8) in long double, whose step is halved until the end changes by less
+    than a tenth of `accuracy`.
+    @throws std::runtime_error  it does not with 2^16 steps */
 KnownEnd knownEnd(const scene::Scene& scene, double duration, double accuracy);
 
 /** The largest step with which the error of the end [rad, m, rad/s, m/s] is at most `accuracy`, to
