@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which step a motion bears: predicted from its spectrum and from single steps, and measured around that.
+// Which step a motion bears: predicted from its spectrum and from single steps, and measured around
+// that.
 #pragma once
 
 #include <complex>

@@ -29,9 +29,10 @@ StepRun runWithStep(const scene::Scene& scene, const std::string& method, double
     whole motion holds: in steps growing by a twentieth from half of `first`, or from as many
     halvings below it as it takes until six in a row hold.
 
-    A prediction by one step's map does not see what is tried here: that a run which gains leaves the
-    motion and gains more there, that an implicit step has no solution that Newton's method finds,
-    and that what holds at a longer step may fail at a shorter one, where a swing's phase is met. */
+    A prediction by one step's map does not see what is tried here: that a run which gains leaves
+    the motion and gains more there, that an implicit step has no solution that Newton's method
+    finds, and that what holds at a longer step may fail at a shorter one, where a swing's phase is
+    met. */
 struct TriedStep {
   double step = 0;    ///< [s]; infinity: any up to the duration; 0: none with up to 2^21 steps
   double beyond = 0;  ///< the next step tried, which does not hold [s]

@@ -107,14 +107,16 @@ double bisectedFor(const scene::Scene& scene, const std::string& method, double 
   return duration / static_cast<double>(fewest);
 }
 
-/// The end by another method than the advice goes by.
+/// The end by another method than the advice goes by, in long double: a wild arm makes 1e-6 of a
+/// double's rounding.
 std::vector<long double> endOf(const scene::Scene& scene, double duration) {
-  constexpr long kSteps = 1L << 13;
-  TreeMotion<double> motion(scene.mechanism);
-  std::vector<double> y = startOf<double>(scene);
-  const auto stepper = stepsOf<double>("bulirsch_stoer8", motion);
-  const double h = duration / static_cast<double>(kSteps);
-  for (long k = 0; k < kSteps; ++k) stepper->step(&y, static_cast<double>(k) * h, h);
+  using Real = long double;
+  constexpr long kSteps = 1L << 12;
+  TreeMotion<Real> motion(scene.mechanism);
+  std::vector<Real> y = startOf<Real>(scene);
+  const auto stepper = stepsOf<Real>("bulirsch_stoer8", motion);
+  const Real h = Real(duration) / kSteps;
+  for (long k = 0; k < kSteps; ++k) stepper->step(&y, static_cast<Real>(k) * h, h);
   return placed(scene.mechanism, y);
 }
 
@@ -172,7 +174,27 @@ BOOST_DATA_TEST_CASE(the_largest_stable_step_is_what_bisection_finds, data::make
   BOOST_TEST(advised.step >= found / kWithin);
 }
 
-/* TABLE */
+/* Springs and all bundled trees of up to 9 rates, 5 s each: scenes where the advice is within a
+   factor 1.5 of what bisection finds.
+
+       method                    predicted  measured      method             predicted  measured
+       euler                        15         24 of 25   stormer_verlet        16         20 of 20
+       modified_midpoint            20         24         implicit_midpoint      1         22 of 25
+       runge_kutta4                 23         24         gauss_4                1         24
+       runge_kutta_dopri5           25         25         gauss_6                1         25
+       runge_kutta_fehlberg78       25         25         implicit_euler         1         25
+       bulirsch_stoer8              23         25         radau_iia_3            1         24
+       adams_bashforth_moulton4     17         25         radau_iia_5            1         24
+       rosenbrock4                   2         25         lie_runge_kutta4      22         24
+       semi_implicit_euler          11         23
+
+   Why a prediction misses: Euler's methods leave the motion by what they gain, and gain more or less
+   there (lead_screw: 0.72 s predicted, 0.040 found); implicit steps and Stormer-Verlet's lose the
+   solution that Newton's method finds, at h |lambda| of 1 to 10, in a region of stability without
+   end; earlier steps that Adams's method remembers do not let it grow within 5 s. What is measured
+   misses where single steps fail far below those that all do, which two runs of trials with other
+   steps do not both meet (heavy_top, implicit_midpoint: 0.022 s does, 0.063 s does not), most often in
+   arms that swing wildly. It took 14 (Stormer-Verlet) to 38 (rosenbrock4) runs a scene. */
 BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
   constexpr double kDuration = 5;
