@@ -188,13 +188,13 @@ BOOST_DATA_TEST_CASE(the_largest_stable_step_is_what_bisection_finds, data::make
        rosenbrock4                   2         25         lie_runge_kutta4      22         24
        semi_implicit_euler          11         23
 
-   Why a prediction misses: Euler's methods leave the motion by what they gain, and gain more or less
-   there (lead_screw: 0.72 s predicted, 0.040 found); implicit steps and Stormer-Verlet's lose the
-   solution that Newton's method finds, at h |lambda| of 1 to 10, in a region of stability without
-   end; earlier steps that Adams's method remembers do not let it grow within 5 s. What is measured
-   misses where single steps fail far below those that all do, which two runs of trials with other
-   steps do not both meet (heavy_top, implicit_midpoint: 0.022 s does, 0.063 s does not), most often in
-   arms that swing wildly. It took 14 (Stormer-Verlet) to 38 (rosenbrock4) runs a scene. */
+   Why a prediction misses: Euler's methods leave the motion by what they gain, and gain more or
+   less there (lead_screw: 0.72 s predicted, 0.040 found); implicit steps and Stormer-Verlet's lose
+   the solution that Newton's method finds, at h |lambda| of 1 to 10, in a region of stability
+   without end; what Adams's method remembers does not let it grow within 5 s. What is measured
+   misses where single steps fail far below those that all do, which two rows of trials do not both
+   meet (heavy_top, implicit_midpoint: 0.022 s does, 0.063 s does not), most often in arms that
+   swing wildly. It took 14 (Stormer-Verlet) to 38 (rosenbrock4) runs a scene. */
 BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
   constexpr double kDuration = 5;
