@@ -40,7 +40,7 @@ class RoundingFilter {
     const std::size_t n = static_cast<std::size_t>(model.dof());
     turn_.resize(n), slide_.resize(n), rotors_.resize(n), size_.resize(n);
     of_links_.resize(n), of_bodies_.resize(n);
-    by_F_.resize(n), by_E_.resize(n), viscous_.resize(n);
+    by_F_.resize(n), by_E_.resize(n), by_S_.resize(n), fixed_.resize(n), viscous_.resize(n);
     for (const Part& part : estimate_.parts_) {
       const std::ptrdiff_t i = &part - estimate_.parts_.data();
       const T rotor = part.ratio * std::sqrt(std::abs(model.links[i].rotor));
@@ -64,7 +64,8 @@ class RoundingFilter {
       else
         others_.push_back(rate);
     }
-    is_plain_ = others_.empty() && springs_.empty() && !is_loaded_ && !is_rubbed_;
+    is_plain_ =
+        others_.empty() && of_many_axes_.empty() && springs_.empty() && !is_loaded_ && !is_rubbed_;
     compose();
   }
 
@@ -72,11 +73,12 @@ class RoundingFilter {
   T inverseDynamics(const JointPosition<T>* x, const T* qd, const T* qdd, const T* tau,
                     Terms terms = Terms::all()) {
     reach(x);
-    const Sums s = sums(qd, qdd, terms);
+    T largest;
+    const Sums s = sums(qd, qdd, tau, terms, &largest);
     T worst = largest_.F * s.F + largest_.E * s.E;
     if (!is_plain_)
       worst += largest_.S * s.S_2 + largest_.own + largest_viscous_ * s.R + springs(x);
-    const T coarse = share(worst, largestOf(tau), x);
+    const T coarse = share(worst, largest, x);
     if (coarse <= suspicious_) return coarse;
     return estimate_.inverseDynamics(x, qd, qdd, tau, terms);
   }
@@ -90,14 +92,18 @@ class RoundingFilter {
                     const InversePivot& inverse_pivot, const Coupling& coupling,
                     Terms terms = Terms::all()) {
     reach(x);
-    const T largest = largestOf(qdd);
-    Sums s = sums(qd, qdd, terms);
+    T largest, worst = 0;
+    Sums s = sums(qd, qdd, qdd, terms, &largest);
     s.least = estimate_.least_ * largest;
-    felt(s, x, qd, tau);
-    T worst = 0;
-    for (const Range& range : of_one_axis_)
-      for (int d = range.begin; d < range.end; ++d)
-        Estimate::keepLarger(divided(size_[d], inverse_pivot(d)), &worst);
+    if (is_plain_) {
+      for (int d = 0, n = static_cast<int>(size_.size()); d < n; ++d)
+        Estimate::keepLarger(divided(plainlyFelt(s, d, tau), inverse_pivot(d)), &worst);
+    } else {
+      felt(s, x, qd, tau);
+      for (const Range& range : of_one_axis_)
+        for (int d = range.begin; d < range.end; ++d)
+          Estimate::keepLarger(divided(size_[d], inverse_pivot(d)), &worst);
+    }
     for (const int i : of_many_axes_) {  // as in RoundingEstimate
       const Part& part = estimate_.parts_[i];
       for (int k = part.axes - 1, d = part.dof + k; k >= 0; --k, --d) {
@@ -129,8 +135,8 @@ class RoundingFilter {
            const std::vector<T>& tau, const MatrixX<T>& LDL, const std::vector<T>& qdd,
            Terms terms = Terms::all()) {
     reach(x.data());
-    const T largest = largestOf(qdd.data());
-    felt(sums(qd.data(), qdd.data(), terms), x.data(), qd.data(), tau.data());
+    T largest;
+    felt(sums(qd.data(), qdd.data(), qdd.data(), terms, &largest), x.data(), qd.data(), tau.data());
     const Eigen::Index n = LDL.rows();
     T moved = 0;
     for (Eigen::Index j = 0; j < n; ++j) moved += of_bodies_[j].N * std::abs(qdd[j]);
@@ -180,8 +186,21 @@ class RoundingFilter {
       ranges->push_back({rate, rate + 1});
   }
 
-  Sums sums(const T* qd, const T* qdd, Terms terms) const {
-    T W = 0, A = 0, S = 0, B = 0, R = 0;
+  /// @param largest  becomes the largest entry of the answer
+  Sums sums(const T* qd, const T* qdd, const T* answer, Terms terms, T* largest) const {
+    const int n = static_cast<int>(size_.size());
+    const T gravity = terms.gravity ? estimate_.gravity_ : T(0);
+    T W = 0, A = 0, S = 0, B = 0, R = 0, most = 0;
+    if (is_plain_) {
+      for (int d = 0; d < n; ++d) {
+        W += std::abs(qd[d]), A += std::abs(qdd[d]);
+        most = std::max(most, std::abs(answer[d]));
+      }
+      *largest = most;
+      return {gravity, A + 5 * W * W, T(0), W, T(0)};
+    }
+    for (int d = 0; d < n; ++d) most = std::max(most, std::abs(answer[d]));
+    *largest = most;
     for (const Range& range : plain_turns_)
       for (int d = range.begin; d < range.end; ++d) W += std::abs(qd[d]), A += std::abs(qdd[d]);
     R = W;
@@ -191,13 +210,7 @@ class RoundingFilter {
       W += turn_[d] * rate, S += slide_[d] * rate;
       A += turn_[d] * change, B += slide_[d] * change;
     }
-    return {(terms.gravity ? estimate_.gravity_ : T(0)) + (3 * W * S + B), A + 5 * W * W, S * S, R,
-            T(0)};
-  }
-  T largestOf(const T* answer) const {
-    T largest = 0;
-    for (std::size_t d = 0; d < size_.size(); ++d) largest = std::max(largest, std::abs(answer[d]));
-    return largest;
+    return {gravity + (3 * W * S + B), A + 5 * W * W, S * S, R, T(0)};
   }
   static T divided(const T& size, const T& inverse_pivot) {
     return inverse_pivot > T(0) ? size * inverse_pivot : Estimate::kNothingLeft;
@@ -210,20 +223,25 @@ class RoundingFilter {
   }
   T springs(const JointPosition<T>* x) const {
     T sum = 0;
-    for (const Spring& k : springs_) sum += k.stiffness * (std::abs(x[k.slot].q) + k.rest);
+    for (const Spring& k : springs_) sum += k.stiffness * std::abs(x[k.slot].q);
     return sum;
   }
-  /// What each axis adds up in forward dynamics, into size_.
+  /// What an axis adds up in forward dynamics where all turn plainly.
+  T plainlyFelt(const Sums& s, int d, const T* tau) const {
+    return by_F_[d] * s.F + by_E_[d] * s.E + std::abs(tau[d]) + s.least;
+  }
+  /// The same of any, into size_.
   void felt(const Sums& s, const JointPosition<T>* x, const T* qd, const T* tau) {
     T* const size = size_.data();
-    const T *const by_F = by_F_.data(), *const by_E = by_E_.data();
     const int n = static_cast<int>(size_.size());
+    if (is_plain_) {
+      for (int d = 0; d < n; ++d) size[d] = plainlyFelt(s, d, tau);
+      return;
+    }
+    const T *const by_S = by_S_.data(), *const fixed = fixed_.data(), *const b = viscous_.data();
     for (int d = 0; d < n; ++d)
-      size[d] = by_F[d] * s.F + by_E[d] * s.E + std::abs(tau[d]) + s.least;
-    if (is_plain_) return;
-    for (int d = 0; d < n; ++d)
-      size[d] += of_bodies_[d].S * s.S_2 + of_bodies_[d].own + viscous_[d] * std::abs(qd[d]);
-    for (const Spring& k : springs_) size[k.rate] += k.stiffness * (std::abs(x[k.slot].q) + k.rest);
+      size[d] = plainlyFelt(s, d, tau) + by_S[d] * s.S_2 + fixed[d] + b[d] * std::abs(qd[d]);
+    for (const Spring& k : springs_) size[k.rate] += k.stiffness * std::abs(x[k.slot].q);
   }
 
   /// Slides that are out farther than was thought of.
@@ -277,8 +295,14 @@ class RoundingFilter {
       of_bodies_[part.dof].own += part.coulomb;
       viscous_[part.dof] += part.viscous;
     }
-    for (std::size_t d = 0; d < by_F_.size(); ++d)
+    for (std::size_t d = 0; d < by_F_.size(); ++d) {
       by_F_[d] = of_bodies_[d].F, by_E_[d] = of_bodies_[d].E;
+      by_S_[d] = of_bodies_[d].S, fixed_[d] = of_bodies_[d].own;
+    }
+    for (const Spring& k : springs_) {
+      largest_.own += k.stiffness * k.rest;
+      fixed_[k.rate] += k.stiffness * k.rest;
+    }
     roundings_ = std::numeric_limits<T>::epsilon() / 2 * std::sqrt(T(Estimate::kRoundings) / 3);
   }
   void feltBy(const std::vector<Body>& bodies, const std::vector<T>& p, const std::vector<T>& way,
@@ -322,8 +346,9 @@ class RoundingFilter {
   std::vector<Felt> of_links_, of_bodies_;        ///< one an axis
   Felt largest_;                                  ///< of of_links_
   std::vector<Spring> springs_;
-  std::vector<T> by_F_, by_E_;  ///< F and E of of_bodies_, together
-  std::vector<T> viscous_;      ///< of a rate
+  std::vector<T> by_F_, by_E_, by_S_;  ///< F, E and S of of_bodies_, each together
+  std::vector<T> fixed_;               ///< of a rate: loads, Coulomb friction, springs where q is 0
+  std::vector<T> viscous_;             ///< of a rate
   T largest_viscous_ = 0;
   std::vector<T> size_;  ///< one a rate
 };

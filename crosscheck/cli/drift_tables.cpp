@@ -23,6 +23,34 @@ namespace dynwitness::cli {
 
 using namespace crosscheck;
 
+namespace {
+
+std::string stepText(double step) {
+  return std::isinf(step) ? "any" : step > 0 ? roundedDown(step, 3) : "none";
+}
+
+/// Of advice: what a method bears and needs.
+std::string adviceLine(const std::string& method, const StepAdvice& stable,
+                       const AccurateStep& accurate) {
+  const StableStep& predicted = stable.predicted;
+  const bool has_lambda = !std::isinf(predicted.step) && predicted.by_spectrum;
+  return fmt::format(
+      "{:<25} {:>12} {:>22} {:>10} {:>12} {:<11} {:>12} {:>10}\n", method, stepText(predicted.step),
+      std::isinf(predicted.step) ? ""
+      : has_lambda ? fmt::format("{:.3g}{:+.3g}i", predicted.lambda.real(), predicted.lambda.imag())
+                   : "steps gain energy",
+      has_lambda ? fmt::format("{:.3g}", predicted.step * std::abs(predicted.lambda)) : "",
+      stepText(stable.tried.step),
+      std::isinf(stable.tried.step) ? ""
+      : stable.tried.is_unsolved    ? "no solution"
+                                    : "gains",
+      accurate.step > 0 ? roundedDown(accurate.step, 3) + (accurate.is_predicted ? " by order" : "")
+                        : "not seen",
+      accurate.step > 0 ? fmt::format("{:.3g}", accurate.calls) : "");
+}
+
+}  // namespace
+
 int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, double duration,
                 double accuracy) {
   requireTreated(scene, Command::kDrift);
@@ -31,32 +59,30 @@ int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, dou
     for (const Integrator& method : integrators())
       if (has_momenta || !method.needs_momenta) methods.emplace_back(method.name);
   for (const std::string& method : methods) integratorNamed(method);
-  std::string table =
-      fmt::format("{:<25} {:>12} {:>22} {:>9} {:>12} {:>10}\n", "method", "stable h [s]",
-                  "lambda there [1/s]", "h|lambda|", "accurate [s]", "calls");
+  std::string table = fmt::format("{:<25} {:>12} {:>22} {:>10} {:>12} {:<11} {:>12} {:>10}\n",
+                                  "method", "predicted [s]", "lambda there [1/s]", "h|lambda|",
+                                  "measured [s]", "beyond it", "accurate [s]", "calls");
   std::string cheapest, troubles;
-  double fewest = 0, step = 0;
+  double fewest = 0, step = 0, trials = 0, known_to = 0;
+  int runs = 0;
   {
     Progress progress(static_cast<int>(methods.size()) + 1);
     progress.stage("spectrum along the motion");
     const SpectrumAlong spectrum = spectrumAlong(scene, duration);
+    const KnownEnd end = knownEnd(scene, duration, accuracy);
+    known_to = end.error;
     for (const std::string& method : methods) {
       progress.stage(method);
-      const StableStep stable = largestStableStep(scene, spectrum, method);
-      const AccurateStep accurate =
-          accurateStep(scene, method, duration, accuracy, std::min(stable.step, duration));
-      const bool any = std::isinf(stable.step);
-      table += fmt::format(
-          "{:<25} {:>12} {:>22} {:>9} {:>12} {:>10}\n", method,
-          any ? "any" : roundedDown(stable.step, 3),
-          any ? ""
-          : stable.by_spectrum
-              ? fmt::format("{:.3g}{:+.3g}i", stable.lambda.real(), stable.lambda.imag())
-              : "steps gain energy",
-          any || !stable.by_spectrum ? ""
-                                     : fmt::format("{:.3g}", stable.step * std::abs(stable.lambda)),
-          accurate.step > 0 ? roundedDown(accurate.step, 3) : "not seen",
-          accurate.step > 0 ? fmt::format("{:.3g}", accurate.calls) : "");
+      const StepAdvice stable = adviseStep(scene, spectrum, method);
+      AccurateStep accurate;
+      if (stable.tried.step > 0)
+        accurate = accurateStep(scene, method, duration, accuracy,
+                                std::min(stable.tried.step, duration), end);
+      else
+        accurate.why = "no step was found at which its energy does not double";
+      table += adviceLine(method, stable, accurate);
+      runs += stable.tried.runs;
+      trials += static_cast<double>(stable.tried.calls) + static_cast<double>(accurate.tried_calls);
       if (!accurate.why.empty()) troubles += fmt::format("# {}: {}\n", method, accurate.why);
       if (accurate.step > 0 && (cheapest.empty() || accurate.calls < fewest)) {
         cheapest = method;
@@ -66,13 +92,18 @@ int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, dou
     }
   }
   fmt::print(
-      "# {}: {} s from the start; largest step at which energy does not double, by the spectrum "
-      "and single steps along the motion; step for an error of {:.3g} at the end [rad, m, rad/s, m/s]\n{}{}",
-      scene.name, duration, accuracy, table, troubles);
+      "# {}: {} s from the start\n"
+      "# largest step at which energy does not double: predicted by the spectrum and single steps "
+      "along the motion, measured in {} runs around that; beyond it: a run gains that energy, or "
+      "an implicit step has no solution\n"
+      "# step for an error of {:.3g} at the end [rad, m, rad/s, m/s], measured against "
+      "runge_kutta_fehlberg78 (known to {:.1g}); calls of the equations with it. All trials took "
+      "{:.3g} calls\n{}{}",
+      scene.name, duration, runs, accuracy, known_to, trials, table, troubles);
   if (cheapest.empty())
-    fmt::print("cheapest     none: no method shows its order, allowed: a shorter --duration\n");
+    fmt::print("cheapest     none: no method keeps that error, allowed: a shorter --duration\n");
   else
-    fmt::print("cheapest     {} with h = {} s: about {:.3g} calls of the equations\n", cheapest,
+    fmt::print("cheapest     {} with h = {} s: {:.3g} calls of the equations\n", cheapest,
                roundedDown(step, 3), fewest);
   return 0;
 }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,7 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/momentum_kept.hpp"
 #include "crosscheck/motion/step_advice.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/plot.hpp"
@@ -142,6 +144,21 @@ bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift&
   return check.verdict != Verdict::kDisagree;
 }
 
+/// Of a mechanism that nothing acts on from outside: how far the finest path's end is from the
+/// momentum that it started with.
+std::string momentumText(const scene::Scene& scene, const Drift& drift) {
+  const auto path = std::find_if(drift.paths.rbegin(), drift.paths.rend(),
+                                 [](const Drift::Path& p) { return !p.end.empty(); });
+  if (path == drift.paths.rend()) return "";
+  const std::optional<double> moved = momentumMoved(scene, path->end);
+  if (!moved) return "";
+  return fmt::format(
+      "# momentum: {} with h = {:.3g} s moves that of the whole, on which nothing acts from outside, by "
+      "{:.2g} of its largest part [N s, N m s]; rounding may by {:.2g}\n",
+      drift.method, path->step, *moved,
+      roundingOfMomentum(scene.mechanism, path->end_time / path->step));
+}
+
 /// What was said about the worst errors, a line a path.
 std::string worstTable(const std::vector<Drift>& drifts) {
   std::string csv = "method,step_s,worst_error,scale_J\n";
@@ -202,6 +219,7 @@ int runDrift(const DriftArguments& arguments) {
     if (drifts.back().paths.empty()) throw scene::InputError({scene.file.string()}, kNoMotion);
     agree = remark(scene, options, drifts.back(), &remarks) && agree;
     eraseLostPaths(drifts.back());
+    remarks += momentumText(scene, drifts.back());
     std::string said;  // against the first that arrives
     for (std::size_t k = 0; k + 1 < drifts.size() && said.empty(); ++k)
       said = comparedEnds(scene, drifts[k], drifts.back());
@@ -237,9 +255,9 @@ Run addDrift(CLI::App* command) {
   method->delimiter(',');
   CLI::Option* advise = command->add_option(
       "--advise", arguments->accuracy,
-      "No runs, but which step: the largest stable one of each method (without --method, of all) "
-      "by spectrum and single steps along the motion, and the one for this error of the end "
-      "[rad, m, 1/s]");
+      "Which step, and not its energy: the largest stable one of each method (without --method, of "
+      "all), predicted by spectrum and single steps along the motion and measured by runs around "
+      "that, and the one for this error of the end [rad, m, 1/s], measured");
   advise->check(positive());
   CLI::Option* engines = command->add_option(
       "--engine-steps", arguments->engines,
@@ -258,7 +276,7 @@ Run addDrift(CLI::App* command) {
       "Examples:\n"
       "  dynwitness drift furuta_pendulum --method runge_kutta4,gauss_6 --plot drift.svg\n"
       "  dynwitness drift double_pendulum --motion coarse.csv,fine.csv --plot energy.svg\n"
-      "  dynwitness drift double_pendulum --advise 0.001\n" +
+      "  dynwitness drift double_pendulum --advise 0.001\n\n" +
       integratorTable() +
       "h|i w|, h|-a|: largest step times eigenvalue on the imaginary and on the negative "
       "real axis that does not grow");

@@ -103,11 +103,11 @@ std::string integratorNames() {
 }
 
 std::string integratorTable() {
-  std::string table = fmt::format("{:<25} {:>5}  {:<20} {:>9} {:>9}\n", "method", "order",
+  std::string table = fmt::format("  {:<25} {:>5}  {:<20} {:>9} {:>9}\n", "method", "order",
                                   "symplectic", "h|i w| <=", "h|-a| <=");
   for (const Integrator& m : integrators())
-    table += fmt::format("{:<25} {:>5}  {:<20} {:>9} {:>9}\n", m.name, m.order, name(m.symplectic),
-                         limitText(m.imaginary_limit), limitText(m.real_limit));
+    table += fmt::format("  {:<25} {:>5}  {:<20} {:>9} {:>9}\n", m.name, m.order,
+                         name(m.symplectic), limitText(m.imaginary_limit), limitText(m.real_limit));
   return table;
 }
 

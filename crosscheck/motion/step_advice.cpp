@@ -98,13 +98,14 @@ bool gainsAlong(TreeMotion<double>& motion, const SpectrumAlong& spectrum,
   return false;
 }
 
-Vector stateAfter(TreeMotion<double>& motion, const scene::Scene& scene, const std::string& method,
-                  double duration, long steps) {
-  Vector y = startOf<double>(scene);
-  const auto stepper = stepsOf<double>(method, motion);
-  const double h = duration / static_cast<double>(steps);
-  for (long k = 0; k < steps; ++k) stepper->step(&y, static_cast<double>(k) * h, h);
-  return y;
+double durationOf(const SpectrumAlong& spectrum) {
+  return spectrum.moments.back().time + spectrum.moments.back().duration;
+}
+double fastestOf(const SpectrumAlong& spectrum) {
+  double fastest = 0;
+  for (const auto& moment : spectrum.moments)
+    for (const Complex& lambda : moment.fastest) fastest = std::max(fastest, std::abs(lambda));
+  return fastest;
 }
 
 }  // namespace
@@ -165,11 +166,8 @@ double stabilityLimit(const std::string& method, Complex lambda) {
 
 StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spectrum,
                              const std::string& method) {
-  const double duration = spectrum.moments.back().time + spectrum.moments.back().duration;
+  const double duration = durationOf(spectrum), fastest = fastestOf(spectrum);
   StableStep out;
-  double fastest = 0;
-  for (const auto& moment : spectrum.moments)
-    for (const Complex& lambda : moment.fastest) fastest = std::max(fastest, std::abs(lambda));
   const Integrator& known = integratorNamed(method);
   if (fastest == 0 || (std::isinf(known.imaginary_limit) && std::isinf(known.real_limit))) {
     out.step = kAny;
@@ -208,68 +206,16 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
   return out;
 }
 
-AccurateStep accurateStep(const scene::Scene& scene, const std::string& method, double duration,
-                          double accuracy, double largest) {
-  constexpr long kMostSteps = 1L << 21;
-  const int order = integratorNamed(method).order;
-  TreeMotion<double> motion(scene.mechanism);
-  AccurateStep out;
-  Vector before;
-  double change_before = kAny;
-  long steps = std::max(16L, static_cast<long>(std::ceil(duration / std::min(largest, duration))));
-  for (; steps <= kMostSteps; steps *= 2) {
-    Vector now;
-    motion.calls = 0;
-    try {
-      now = stateAfter(motion, scene, method, duration, steps);
-    } catch (const scene::InputError&) {
-      throw;
-    } catch (const std::runtime_error&) {  // too long a step for an implicit method
-      continue;
-    }
-    if (before.empty()) {
-      before = now;
-      continue;
-    }
-    // the difference of h and h/2 is error(h) (1 - 2^-order)
-    const double change = largestGap(now, before, now.size() - 1),
-                 fine = change / (std::pow(2, order) - 1);
-    const double seen = std::log2(change_before / change);
-    before = now;
-    change_before = change;
-    if (!std::isfinite(change) || !(std::abs(seen - order) < 0.5)) continue;
-    out.step = duration / static_cast<double>(steps) * std::pow(accuracy / fine, 1.0 / order);
-    out.step = std::min(out.step, largest);
-    out.calls =
-        static_cast<double>(motion.calls) / static_cast<double>(steps) * duration / out.step;
-    // the law is trusted over a decade or two; nearer than that it is asked again
-    if (fine <= 10 * accuracy || steps == kMostSteps) return out;
-  }
-  if (out.step == 0) out.why = fmt::format("its order is not seen with up to {} steps", kMostSteps);
+StepAdvice adviseStep(const scene::Scene& scene, const SpectrumAlong& spectrum,
+                      const std::string& method) {
+  StepAdvice out;
+  out.predicted = largestStableStep(scene, spectrum, method);
+  const double duration = durationOf(spectrum), fastest = fastestOf(spectrum);
+  const double first = std::isfinite(out.predicted.step) ? out.predicted.step
+                       : fastest > 0                     ? 1 / fastest
+                                                         : duration;
+  out.tried = largestStepTried(scene, method, duration, first, spectrum.most_kinetic);
   return out;
-}
-
-double energyGained(const scene::Scene& scene, const std::string& method, double duration,
-                    double step, double most_kinetic) {
-  TreeMotion<double> motion(scene.mechanism);
-  Vector y = startOf<double>(scene);
-  const double E_0 = motion.energy(y);
-  const long steps = std::max(1L, std::lround(duration / step));
-  const auto stepper = stepsOf<double>(method, motion);
-  double most = 0;
-  try {
-    for (long k = 0; k < steps; ++k) {
-      stepper->step(&y, static_cast<double>(k) * step, step);
-      const double gained = motion.energy(y) - E_0;
-      if (!std::isfinite(gained)) return kAny;
-      most = std::max(most, gained);
-    }
-  } catch (const scene::InputError&) {
-    throw;
-  } catch (const std::runtime_error&) {
-    return kAny;
-  }
-  return most_kinetic > 0 ? most / most_kinetic : most;
 }
 
 std::string roundedDown(double h, int digits) {
@@ -277,6 +223,32 @@ std::string roundedDown(double h, int digits) {
   const double unit = std::pow(10, std::floor(std::log10(h)) + 1 - digits);
   return fmt::format("{:.{}g}", std::floor(h / unit) * unit, digits);
 }
+
+std::string lossText(const TriedStep& tried) {
+  return tried.is_unsolved ? "no solution of an implicit step is found" : "runs gain energy";
+}
+
+namespace {
+
+/// "0.04 s (measured; predicted 0.041 s)"
+std::string allowedText(const StepAdvice& advice) {
+  const double predicted = advice.predicted.step, tried = advice.tried.step;
+  const std::string before = std::isinf(predicted) ? "any" : roundedDown(predicted, 2) + " s";
+  if (tried == 0) return fmt::format("{} (predicted; no run holds)", before);
+  return fmt::format("{} (measured; predicted {})",
+                     std::isinf(tried) ? "any" : roundedDown(tried, 2) + " s", before);
+}
+
+/// ", or implicit_midpoint with h = 0.05 s (measured)" where a run of it holds.
+std::string alternativeText(const scene::Scene& scene, const std::string& method, double duration,
+                            double step, double most_kinetic) {
+  const char* const other = "implicit_midpoint";
+  if (method == other || !runWithStep(scene, other, duration, step, most_kinetic).holds())
+    return "";
+  return fmt::format(", or {} with h = {:.3g} s (measured)", other, step);
+}
+
+}  // namespace
 
 std::string adviceAfterFailure(const scene::Scene& scene, const std::string& method,
                                double duration, double step, double when) {
@@ -293,25 +265,30 @@ std::string adviceAfterFailure(const scene::Scene& scene, const std::string& met
   } catch (const std::runtime_error& error) {
     return fmt::format("{}: {}", what, error.what());
   }
-  const StableStep stable = largestStableStep(scene, spectrum, method);
-  if (step <= stable.step)
+  const StepAdvice advice = adviseStep(scene, spectrum, method);
+  const StableStep& predicted = advice.predicted;
+  const std::string allowed = allowedText(advice);
+  if (step <= predicted.step && step <= advice.tried.step)
     return fmt::format(
         "{}: {} with h = {:.3g} s is too coarse here, not unstable{}: allowed: shorter steps", what,
         method, step,
-        std::isinf(stable.step)
-            ? std::string()
-            : fmt::format(" (stability would allow {} s)", roundedDown(stable.step, 3)));
-  if (!stable.by_spectrum)
+        std::isinf(advice.tried.step) ? std::string() : " (stability would allow " + allowed + ")");
+  const std::string other = alternativeText(scene, method, duration, step, spectrum.most_kinetic);
+  if (step <= predicted.step)
+    return fmt::format(
+        "{}: {} with h = {:.3g} s does not hold here, which its spectrum does not show ({}): h <= {}{}",
+        what, method, step, lossText(advice.tried), allowed, other);
+  if (!predicted.by_spectrum)
     return fmt::format(
         "{}: {} with h = {:.3g} s is unstable here (single steps along the motion add to its "
-        "energy): h <= {} s, or implicit_midpoint",
-        what, method, step, roundedDown(stable.step, 2));
+        "energy): h <= {}{}",
+        what, method, step, allowed, other);
   const Growth there = growthAlong(spectrum, method, step);
   return fmt::format(
       "{}: {} with h = {:.3g} s is unstable here (h |lambda| = {:.3g} at t = {:.3g} s, limit "
-      "{:.3g}): h <= {} s, or implicit_midpoint",
+      "{:.3g}): h <= {}{}",
       what, method, step, step * std::abs(there.lambda), there.time,
-      stabilityLimit(method, there.lambda), roundedDown(stable.step, 2));
+      stabilityLimit(method, there.lambda), allowed, other);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which step a motion bears: from its spectrum, and from two runs.
+// Which step a motion bears: predicted from its spectrum and from single steps, and measured around
+// that.
 #pragma once
 
 #include <complex>
 #include <string>
 #include <vector>
 
+#include "crosscheck/motion/step_trials.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
@@ -56,29 +58,26 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
 /// h |lambda| in the direction of lambda up to which a step does not grow; infinity: any.
 double stabilityLimit(const std::string& method, std::complex<double> lambda);
 
-/** The step at which the error of the end [rad, m, rad/s, m/s] is `accuracy`, and its price: steps
-    halved from the largest stable one until the differences of two ends fall with the method's
-    order; then  error(h) = error(h_0) (h / h_0)^order. */
-struct AccurateStep {
-  double step = 0;   ///< [s]; 0: not found
-  double calls = 0;  ///< of the equations, at that step
-  std::string why;   ///< no step was found
+/// The largest stable step, predicted and measured.
+struct StepAdvice {
+  StableStep predicted;
+  TriedStep
+      tried;  ///< in runs around the prediction; of methods that are stable with any step from
+              ///< 1 / the largest |lambda| on
 };
-AccurateStep accurateStep(const scene::Scene& scene, const std::string& method, double duration,
-                          double accuracy, double largest);
-
-/** Largest E - E_0 of a run, over the largest kinetic energy of the motion; infinity: it left the
-    numbers, or an implicit step had no solution. What a step takes off the energy does not count:
-    Runge-Kutta 4 takes from every oscillation, the more the longer the step, and stays stable. */
-double energyGained(const scene::Scene& scene, const std::string& method, double duration,
-                    double step, double most_kinetic);
+StepAdvice adviseStep(const scene::Scene& scene, const SpectrumAlong& spectrum,
+                      const std::string& method);
 
 /// A step as text of some digits, not above it: what is stable is not rounded to what is not.
 std::string roundedDown(double h, int digits);
 
+/// What ends the steps of `tried`: "runs gain energy", "no solution of an implicit step is found".
+std::string lossText(const TriedStep& tried);
+
 /** What is to be said of a run that lost its motion's energy. "energy error reached half of the
     largest kinetic energy at t = 3.1 s: runge_kutta4 with h = 0.05 s is unstable here (h |lambda| =
-    3.4 at t = 0.2 s, limit 2.78): h <= 0.04 s, or implicit_midpoint"
+    3.4 at t = 0.2 s, limit 2.78): h <= 0.04 s (measured; predicted 0.041 s), or implicit_midpoint
+    with h = 0.05 s (measured)"
     @param when  it did [s]; negative: it left the numbers, nobody knows when */
 std::string adviceAfterFailure(const scene::Scene& scene, const std::string& method,
                                double duration, double step, double when);

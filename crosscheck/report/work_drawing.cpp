@@ -15,48 +15,53 @@ namespace {
 
 constexpr const char* kReached = "reached";
 
-/// Colour and dashes of a family, mark of a method: line type and point type of style.gp, the same
-/// in every chart.
+/// Which lines are drawn together: more than some ten in a panel are not told apart without colour.
+enum class Family { kExplicit, kImplicit };
+constexpr Family kEx = Family::kExplicit, kIm = Family::kImplicit;
+
+/// Colour and dashes, and mark of a method: line type and point type of style.gp, the same in every
+/// chart. No two lines of a family have the same mark.
 struct Look {
   int line, point;
+  Family family;
 };
 Look lookOf(const std::string& method) {
   static const std::map<std::string, Look> looks = {
-      {"euler", {2, 5}},
-      {"semi_implicit_euler", {2, 4}},
-      {"implicit_euler", {2, 12}},
-      {"modified_midpoint", {1, 9}},
-      {"runge_kutta4", {1, 7}},
-      {"runge_kutta_dopri5", {1, 5}},
-      {"runge_kutta_fehlberg78", {1, 13}},
-      {"bulirsch_stoer8", {6, 6}},
-      {"adams_bashforth_moulton4", {6, 8}},
-      {"lie_runge_kutta4", {6, 14}},
-      {"stormer_verlet", {3, 9}},
-      {"implicit_midpoint", {3, 7}},
-      {"gauss_4", {3, 5}},
-      {"gauss_6", {3, 13}},
-      {"rosenbrock4", {5, 4}},
-      {"radau_iia_3", {4, 8}},
-      {"radau_iia_5", {4, 12}},
+      {"euler", {2, 11, kEx}},
+      {"semi_implicit_euler", {2, 4, kIm}},
+      {"implicit_euler", {2, 12, kIm}},
+      {"modified_midpoint", {1, 9, kEx}},
+      {"runge_kutta4", {1, 7, kEx}},
+      {"runge_kutta_dopri5", {1, 5, kEx}},
+      {"runge_kutta_fehlberg78", {1, 13, kEx}},
+      {"bulirsch_stoer8", {6, 6, kEx}},
+      {"adams_bashforth_moulton4", {6, 8, kEx}},
+      {"lie_runge_kutta4", {6, 14, kEx}},
+      {"stormer_verlet", {3, 9, kIm}},
+      {"implicit_midpoint", {3, 7, kIm}},
+      {"gauss_4", {3, 5, kIm}},
+      {"gauss_6", {3, 13, kIm}},
+      {"rosenbrock4", {5, 15, kIm}},
+      {"radau_iia_3", {4, 8, kIm}},
+      {"radau_iia_5", {4, 10, kIm}},
       // of closed mechanisms
-      {"semi_implicit_euler projection", {2, 4}},
-      {"runge_kutta4 index1", {1, 9}},
-      {"runge_kutta4 baumgarte", {1, 6}},
-      {"runge_kutta4 projection", {1, 7}},
-      {"runge_kutta_dopri5 projection", {1, 5}},
-      {"runge_kutta_fehlberg78 projection", {1, 13}},
-      {"bulirsch_stoer8 projection", {6, 6}},
-      {"gauss_6 projection", {3, 13}},
-      {"implicit_euler index2", {2, 12}},
-      {"radau_iia_3 index2", {5, 8}},
-      {"radau_iia_5 projection", {4, 12}},
-      {"radau_iia_5 index2", {4, 14}},
-      {"radau_iia_5 index3", {4, 9}},
-      {"radau_iia_5 ggl", {4, 5}},
+      {"semi_implicit_euler projection", {2, 4, kEx}},
+      {"runge_kutta4 index1", {1, 9, kEx}},
+      {"runge_kutta4 baumgarte", {1, 11, kEx}},
+      {"runge_kutta4 projection", {1, 7, kEx}},
+      {"runge_kutta_dopri5 projection", {1, 5, kEx}},
+      {"runge_kutta_fehlberg78 projection", {1, 13, kEx}},
+      {"bulirsch_stoer8 projection", {6, 6, kEx}},
+      {"gauss_6 projection", {3, 13, kIm}},
+      {"implicit_euler index2", {2, 12, kIm}},
+      {"radau_iia_3 index2", {5, 8, kIm}},
+      {"radau_iia_5 projection", {4, 10, kIm}},
+      {"radau_iia_5 index2", {4, 14, kIm}},
+      {"radau_iia_5 index3", {4, 9, kIm}},
+      {"radau_iia_5 ggl", {4, 5, kIm}},
   };
   const auto found = looks.find(method);
-  return found == looks.end() ? Look{16, 3} : found->second;
+  return found == looks.end() ? Look{16, 3, Family::kImplicit} : found->second;
 }
 
 std::string orderText(double order) {
@@ -73,21 +78,37 @@ struct Range {
   }
 };
 
-std::string panel(const WorkPrecision& work, const std::string& csv, int error_column,
-                  int cost_column, bool with_key) {
+bool isOf(Family family, const WorkLine& line) {
+  return !line.points.empty() && lookOf(line.method).family == family;
+}
+
+/// The lines of a family, and faint those of the other.
+std::string panel(const WorkPrecision& work, const std::string& csv, Family family,
+                  int error_column, int cost_column, bool with_key) {
   std::string text = "plot ";
+  const auto next = [&] { return text == "plot " ? "" : ", \\\n     "; };
+  const auto mine = [](const WorkLine& line) {
+    return fmt::format("strcol(1) eq {}", gnuplotString(line.method));
+  };
+  for (const WorkLine& line : work.lines)
+    if (!line.points.empty() && !isOf(family, line))
+      text += next() +
+              fmt::format(
+                  "'{}' using ({} && strcol(9) eq '{}' ? seen(${}) : NaN):{} with lines linetype 1 "
+                  "linecolor rgb faint notitle",
+                  csv, mine(line), kReached, error_column, cost_column);
   for (const WorkLine& line : work.lines) {
-    if (line.points.empty()) continue;
+    if (!isOf(family, line)) continue;
     const Look look = lookOf(line.method);
-    const std::string mine = fmt::format("strcol(1) eq {}", gnuplotString(line.method));
-    text += text == "plot " ? "" : ", \\\n     ";
-    text += fmt::format(
-        "'{}' using ({} && strcol(9) eq '{}' ? seen(${}) : NaN):{} with linespoints linetype {} "
-        "pointtype {} {}",
-        csv, mine, kReached, error_column, cost_column, look.line, look.point,
-        with_key ? "title " + gnuplotString(fmt::format("{}: {} ({})", line.method,
-                                                        orderText(line.observed_order), line.order))
-                 : std::string("notitle"));
+    text +=
+        next() + fmt::format(
+                     "'{}' using ({} && strcol(9) eq '{}' ? seen(${}) : NaN):{} with linespoints "
+                     "linetype {} pointtype {} {}",
+                     csv, mine(line), kReached, error_column, cost_column, look.line, look.point,
+                     with_key ? "title " + gnuplotString(fmt::format("{}: {} ({})", line.method,
+                                                                     orderText(line.observed_order),
+                                                                     line.order))
+                              : std::string("notitle"));
     const bool fails = std::any_of(line.points.begin(), line.points.end(),
                                    [](const WorkPoint& p) { return !p.failure.empty(); });
     if (fails)
@@ -95,9 +116,34 @@ std::string panel(const WorkPrecision& work, const std::string& csv, int error_c
           ", \\\n     '{0}' using ({1} && strcol(9) ne '{2}' ? failed : NaN):{3} with points linetype "
           "{4} pointtype {5} notitle, \\\n     '{0}' using ({1} && strcol(9) ne '{2}' ? failed : "
           "NaN):{3} with points linetype {4} pointtype 2 pointsize 1.4 notitle",
-          csv, mine, kReached, cost_column, look.line, look.point);
+          csv, mine(line), kReached, cost_column, look.line, look.point);
   }
   return text + "\n";
+}
+
+/// Heights of the picture's parts, in its points.
+constexpr int kHead = 60, kPanel = 270, kBelowPanel = 90, kKeyRow = 22, kBelowKey = 30, kFoot = 60;
+
+/// Names in columns of one key.
+struct Key {
+  int rows = 0, columns = 3;
+  int narrower = 0;  ///< by so many letters than gnuplot reserves, which are wide ones
+};
+Key keyOf(const WorkPrecision& work, Family family) {
+  constexpr std::size_t kThreeFit = 26,
+                        kOrders = 14;  // letters of a name, three to a row; ": no range (4)"
+  int drawn = 0;
+  std::size_t longest = 0;
+  for (const WorkLine& line : work.lines) {
+    if (!isOf(family, line)) continue;
+    ++drawn;
+    longest = std::max(longest, line.method.size());
+  }
+  Key key;
+  key.columns = longest > kThreeFit ? 2 : 3;
+  key.rows = (drawn + key.columns - 1) / key.columns;
+  key.narrower = -static_cast<int>(longest + kOrders) / 4;
+  return key;
 }
 
 }  // namespace
@@ -165,17 +211,24 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
   }
   if (are_left_out > kNamesThatFit)
     left_out = fmt::format("{} methods, the reasons are in the data", are_left_out);
+  std::vector<Family> families;
+  int height = kHead + kFoot;
+  for (const Family family : {Family::kExplicit, Family::kImplicit})
+    if (const Key key = keyOf(work, family); key.rows > 0) {
+      families.push_back(family);
+      height += 2 * (kPanel + kBelowPanel) + key.rows * kKeyRow + kBelowKey;
+    }
   const std::string title = work.title.empty() ? work.scene : work.title;
   std::string text = fmt::format(
       "# Work and precision of simulations of {0}. Draw again with:  gnuplot {1}.gp\n"
       "do for [dark = 0:1] {{\n"
       "load '{2}'\n"
-      "eval canvas(1200, 1000, 16)\n"
+      "eval canvas(1200, {6}, 16)\n"
       "set output picture_file('{1}')\n"
       "set multiplot\n"
-      "set label 1 {3} at screen 0.5, screen 0.975 center textcolor rgb ink font ',20'\n"
-      "set label 2 {4} at screen 0.5, screen 0.03 center textcolor rgb soft font ',13'\n"
-      "set label 3 {5} at screen 0.5, screen 0.01 center textcolor rgb soft font ',13'\n"
+      "set label 1 {3} at screen 0.5, screen {7:.5f} center textcolor rgb ink font ',20'\n"
+      "set label 2 {4} at screen 0.5, screen {8:.5f} center textcolor rgb soft font ',13'\n"
+      "set label 3 {5} at screen 0.5, screen {9:.5f} center textcolor rgb soft font ',13'\n"
       "set logscale xy\nset format x '1e%T'\nset format y '1e%T'\nunset mxtics\nunset mytics\n"
       "seen(error) = error > border ? error : border\n",
       oneLine(work.scene), name, style,
@@ -184,7 +237,8 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
       gnuplotString(fmt::format(
           "order seen (and by theory), no range: none is asymptotic; {}{}{}",
           fails ? "crossed out at the right border: failed, the reason is in the data; " : "",
-          left_out.empty() ? "" : "left out: " + left_out + "; ", work.machine)));
+          left_out.empty() ? "" : "left out: " + left_out + "; ", work.machine)),
+      height, 1 - 25.0 / height, 30.0 / height, 10.0 / height);
   struct Panel {
     const Range &error, &cost;
     int error_column, cost_column;
@@ -195,40 +249,39 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
       {energies, calls, 8, 5, "energy error / largest kinetic energy  [1]", ""},
       {errors, seconds, 7, 6, "error of the end  [rad, m, rad/s, m/s]", "CPU time  [s]"},
       {energies, seconds, 8, 6, "energy error / largest kinetic energy  [1]", ""}};
-  for (int k = 0; k < 4; ++k) {
-    const Panel& p = panels[k];
-    const double left = p.error.high < p.error.low ? -17 : std::floor(p.error.low) - 1,
-                 right =
-                     p.error.high < p.error.low ? 0 : std::min(std::ceil(p.error.high), 6.0) + 2;
-    const double top = k < 2 ? 0.945 : 0.585;
-    text += fmt::format(
-        "{0}set lmargin at screen {1}\nset rmargin at screen {2}\n"
-        "set tmargin at screen {3}\nset bmargin at screen {4}\n"
-        "border = 1e{5:.0f}\nfailed = 10**{6:.2f}\nset xrange [1e{5:.0f}:1e{7:.0f}]\n"
-        "set xtics 1e{5:.0f},1e{8:.0f}\nset yrange [{9:.4g}:{10:.4g}]\n"
-        "set xlabel '{11}'\nset ylabel '{12}'\n",
-        k == 1 ? "unset label\n" : "", k % 2 == 0 ? 0.085 : 0.57, k % 2 == 0 ? 0.5 : 0.985, top,
-        top - 0.275, left, right - 0.5, right, std::max(1.0, std::ceil((right - left) / 7)),
-        std::pow(10, p.cost.low - 0.3), std::pow(10, p.cost.high + 0.3), p.x, p.y);
-    if (k == 0) {
-      constexpr std::size_t kThreeFit = 26;  // letters of a name, three to a row
-      constexpr int kNarrower = -11;  // letters less than gnuplot reserves, which are wide ones
-      int drawn = 0;
-      std::size_t longest = 0;
-      for (const WorkLine& line : work.lines) {
-        if (line.points.empty()) continue;
-        ++drawn;
-        longest = std::max(longest, line.method.size());
-      }
-      const int columns = longest > kThreeFit ? 2 : 3;
+  double top = kHead;  // of what comes next, from above
+  const auto onScreen = [&](double from_above) { return 1 - from_above / height; };
+  for (const Family family : families) {
+    const Key key = keyOf(work, family);
+    for (int k = 0; k < 4; ++k) {
+      const Panel& p = panels[k];
+      const double left = p.error.high < p.error.low ? -17 : std::floor(p.error.low) - 1,
+                   right =
+                       p.error.high < p.error.low ? 0 : std::min(std::ceil(p.error.high), 6.0) + 2;
+      const double from = top + (k < 2 ? 0 : kPanel + kBelowPanel);
       text += fmt::format(
-          "set key at screen 0.5, screen 0.145 center center vertical Left reverse samplen 4 "
-          "maxrows {} width {} font ',14'\n",
-          (drawn + columns - 1) / columns, columns == 2 ? kNarrower : 0);
-    } else {
-      text += "unset key\n";
+          "set lmargin at screen {0}\nset rmargin at screen {1}\n"
+          "set tmargin at screen {2:.5f}\nset bmargin at screen {3:.5f}\n"
+          "border = 1e{4:.0f}\nfailed = 10**{5:.2f}\nset xrange [1e{4:.0f}:1e{6:.0f}]\n"
+          "set xtics 1e{4:.0f},1e{7:.0f}\nset yrange [{8:.4g}:{9:.4g}]\n"
+          "set xlabel '{10}'\nset ylabel '{11}'\n",
+          k % 2 == 0 ? 0.085 : 0.57, k % 2 == 0 ? 0.5 : 0.985, onScreen(from),
+          onScreen(from + kPanel), left, right - 0.5, right,
+          std::max(1.0, std::ceil((right - left) / 7)), std::pow(10, p.cost.low - 0.3),
+          std::pow(10, p.cost.high + 0.3), p.x, p.y);
+      if (k == 0) {
+        const double middle = top + 2 * (kPanel + kBelowPanel) + key.rows * kKeyRow / 2.0;
+        text += fmt::format(
+            "set key at screen 0.5, screen {:.5f} center center vertical Left reverse samplen 4 "
+            "maxrows {} width {} font ',14'\n",
+            onScreen(middle), key.rows, key.narrower);
+      } else {
+        text += "unset key\n";
+      }
+      text += panel(work, name + ".csv", family, p.error_column, p.cost_column, k == 0) +
+              "unset label\n";
     }
-    text += panel(work, name + ".csv", p.error_column, p.cost_column, k == 0);
+    top += 2 * (kPanel + kBelowPanel) + key.rows * kKeyRow + kBelowKey;
   }
   return text + "unset multiplot\nunset output\nreset\n}\n";
 }

@@ -142,8 +142,9 @@ std::string ownMotionTable(const scene::Scene& scene,
   const std::vector<std::string> joints = scene.mechanism.rateLabels();
   std::string text = fmt::format(
       "# {}: motions of others. Wrong model: what their accelerations leave of our equations at "
-      "their own states, over what rounding may leave.\n# Wrong step: how far a second of it is "
-      "from our solution from their states, and T + V of ours along it.\n"
+      "their own states [N, N m], over what rounding may leave.\n# Wrong step: how far a second of it "
+      "is from our solution from their states [rad, m, rad/s, m/s], and how far our T + V moves along "
+      "it, over the largest kinetic energy; a wrong model moves both, too.\n"
       "{:<48} {:<34} {:>12} {:>12}\n",
       scene.name, "motion", "wrong model", "step error/s", "energy error");
   for (const OwnMotionVerdict& v : verdicts) {

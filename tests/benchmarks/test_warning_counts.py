@@ -18,10 +18,11 @@ from test_instruction_counts import inclusive, skip
 SCENES = ["simple_pendulum", "double_pendulum", "franka_panda", "puma_560", "humanoid_floating"]
 CALLS = 20
 SWEEPS = ["fast_ID", "fast_M", "fast_FD", "sweep_ID", "sweep_FD", "solved_FD"]
-# as seen: what is summed once does not pay for itself on one or two joints; a machine with springs at 31
-MORE_THAN_A_TENTH = {("simple_pendulum", "sweep_ID"): 0.15, ("simple_pendulum", "sweep_FD"): 0.20,
-                     ("simple_pendulum", "solved_FD"): 0.16, ("double_pendulum", "solved_FD"): 0.14,
-                     ("humanoid_floating", "fast_FD"): 0.11}
+# As seen: 10.2, 13.7, 10.1 and 11.0 %. A whole sweep over one joint takes 817 to 1382 instructions, and the estimate's
+# calls, its one pass over the rates and its division 83 (tau) to 141 (qdd): registers saved and a handful of sums, which
+# are not fewer for one joint.
+MORE_THAN_A_TENTH = {("simple_pendulum", "sweep_ID"): 0.105, ("simple_pendulum", "sweep_FD"): 0.14,
+                     ("simple_pendulum", "solved_FD"): 0.105, ("double_pendulum", "solved_FD"): 0.115}
 
 
 def measure(program, scene):

@@ -15,6 +15,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/state_gap.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
 #include "crosscheck/motion/work_precision.hpp"
 #include "tests/fixtures/integrators.hpp"
@@ -27,6 +28,7 @@ using namespace dynwitness::crosscheck;
 namespace {
 
 constexpr double kWithin = 1.5;
+constexpr long kMostSteps = 1L << 19;  // what advice runs itself
 
 /// A mass on a spring of 1 N/m that hangs, one on each of a row: frequencies 1, 10, 100 rad/s.
 scene::Scene springs(const std::string& damping = "0") {
@@ -44,26 +46,83 @@ scene::Scene sceneOf(const std::string& name) {
   return name == "springs" ? springs() : scene::findScene(name);
 }
 
-/// Largest step up to which no run gains as much energy as the motion has.
+/// All bundled trees of up to 9 rates, and the springs: 20 of them have momenta.
+std::vector<scene::Scene> smallTrees() {
+  std::vector<scene::Scene> out = {springs()};
+  for (const auto& file : scene::bundledScenes()) {
+    scene::Scene scene = scene::readScene(file);
+    if (refusals(scene, Command::kDrift).empty() && scene.mechanism.dof() <= 9)
+      out.push_back(std::move(scene));
+  }
+  return out;
+}
+
+/// Largest step up to which no run gains as much energy as the motion has, from well below
+/// `guess`; infinity: none up to the duration does.
 double bisected(const scene::Scene& scene, const std::string& method, double duration, double guess,
                 double most_kinetic) {
   const auto holds = [&](double h) {
-    return energyGained(scene, method, duration, h, most_kinetic) < 1;
+    return runWithStep(scene, method, duration, h, most_kinetic).holds();
   };
   double held = 0, broken = 0;
-  for (double h = guess / 8; h < 16 * guess && h <= duration; h *= 1.05) {
+  for (double h = guess / 8; h <= duration; h *= 1.05) {
     if (!holds(h)) {
       broken = h;
       break;
     }
     held = h;
   }
-  if (held == 0 || broken == 0) return held;
-  for (int k = 0; k < 6; ++k) {
+  if (broken == 0) return HUGE_VAL;
+  for (int k = 0; held > 0 && k < 6; ++k) {
     const double middle = (held + broken) / 2;
     (holds(middle) ? held : broken) = middle;
   }
   return held;
+}
+
+/// Largest step at which the end is off by `accuracy`, by doubling and bisection of the number of
+/// steps; 0: none of 2^19 steps.
+double bisectedFor(const scene::Scene& scene, const std::string& method, double duration,
+                   double accuracy, const std::vector<long double>& reference) {
+  TreeMotion<double> motion(scene.mechanism);
+  const auto holds = [&](long steps) {
+    std::vector<double> y = startOf<double>(scene);
+    const auto stepper = stepsOf<double>(method, motion);
+    const double h = duration / static_cast<double>(steps);
+    try {
+      for (long k = 0; k < steps; ++k) stepper->step(&y, static_cast<double>(k) * h, h);
+    } catch (const std::runtime_error&) {  // too long for an implicit method
+      return false;
+    }
+    return largestGap(placed(scene.mechanism, y, reference), reference, reference.size()) <=
+           accuracy;
+  };
+  long fewest = 1;
+  while (!holds(fewest))
+    if ((fewest *= 2) > kMostSteps) return 0;
+  for (long low = fewest / 2; fewest - low > 1 + fewest / 100;) {
+    const long middle = (low + fewest) / 2;
+    (holds(middle) ? fewest : low) = middle;
+  }
+  return duration / static_cast<double>(fewest);
+}
+
+/// The end by another method than the advice goes by, in long double: a wild arm makes 1e-6 of a
+/// double's rounding.
+std::vector<long double> endOf(const scene::Scene& scene, double duration) {
+  using Real = long double;
+  constexpr long kSteps = 1L << 12;
+  TreeMotion<Real> motion(scene.mechanism);
+  std::vector<Real> y = startOf<Real>(scene);
+  const auto stepper = stepsOf<Real>("bulirsch_stoer8", motion);
+  const Real h = Real(duration) / kSteps;
+  for (long k = 0; k < kSteps; ++k) stepper->step(&y, static_cast<Real>(k) * h, h);
+  return placed(scene.mechanism, y);
+}
+
+bool isWithin(double advised, double found) {
+  if (std::isinf(advised) || std::isinf(found)) return advised == found;
+  return advised <= kWithin * found && advised >= found / kWithin;
 }
 
 struct Asked {
@@ -115,41 +174,96 @@ BOOST_DATA_TEST_CASE(the_largest_stable_step_is_what_bisection_finds, data::make
   BOOST_TEST(advised.step >= found / kWithin);
 }
 
-/* All bundled trees of up to 9 rates, 5 s each. Measured: within a factor 1.5 at 22 of 22 scenes
-   with runge_kutta_dopri5 and runge_kutta_fehlberg78, 21 with bulirsch_stoer8, 19 with runge_kutta4
-   and lie_runge_kutta4, where the worst advice is 1.61 of what is found (kuka_iiwa_14) and 0.45 of
-   it (puck_on_slope); 14 of 19 with stormer_verlet, whose Newton's method or nonlinear terms end it
-   earlier in the arms that swing freely (franka_panda: 5.4 of what is found). */
+/* Springs and all bundled trees of up to 9 rates, 5 s each: scenes where the advice is within a
+   factor 1.5 of what bisection finds.
+
+       method                    predicted  measured      method             predicted  measured
+       euler                        15         24 of 25   stormer_verlet        16         20 of 20
+       modified_midpoint            20         24         implicit_midpoint      1         22 of 25
+       runge_kutta4                 23         24         gauss_4                1         24
+       runge_kutta_dopri5           25         25         gauss_6                1         25
+       runge_kutta_fehlberg78       25         25         implicit_euler         1         25
+       bulirsch_stoer8              23         25         radau_iia_3            1         24
+       adams_bashforth_moulton4     17         25         radau_iia_5            1         24
+       rosenbrock4                   2         25         lie_runge_kutta4      22         24
+       semi_implicit_euler          11         23
+
+   Why a prediction misses: Euler's methods leave the motion by what they gain, and gain more or
+   less there (lead_screw: 0.72 s predicted, 0.040 found); implicit steps and Stormer-Verlet's lose
+   the solution that Newton's method finds, at h |lambda| of 1 to 10, in a region of stability
+   without end; what Adams's method remembers does not let it grow within 5 s. What is measured
+   misses where single steps fail far below those that all do, which two rows of trials do not both
+   meet (heavy_top, implicit_midpoint: 0.022 s does, 0.063 s does not), most often in arms that
+   swing wildly. It took 14 (Stormer-Verlet) to 38 (rosenbrock4) runs a scene. */
 BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
   constexpr double kDuration = 5;
-  std::map<std::string, std::pair<int, int>> within;  // of how many
-  for (const auto& file : scene::bundledScenes()) {
-    const scene::Scene scene = scene::readScene(file);
-    if (!refusals(scene, Command::kDrift).empty() || scene.mechanism.dof() > 9) continue;
+  struct Count {
+    int scenes = 0, predicted = 0, measured = 0;
+  };
+  std::map<std::string, Count> within;
+  for (const scene::Scene& scene : smallTrees()) {
     const SpectrumAlong spectrum = spectrumAlong(scene, kDuration);
     const bool has_momenta = TreeMotion<double>(scene.mechanism).hasMomenta();
     for (const Integrator& method : integrators()) {
       if (method.needs_momenta && !has_momenta) continue;
-      const StableStep advised = largestStableStep(scene, spectrum, method.name);
-      if (std::isinf(advised.step)) continue;
-      const double found =
-          bisected(scene, method.name, kDuration, advised.step, spectrum.most_kinetic);
-      const double ratio = advised.step / found;
-      BOOST_TEST_MESSAGE("stable " << scene.name << " " << method.name << " " << advised.step << " "
-                                   << found << " " << ratio);
-      within[method.name].second += 1;
-      within[method.name].first += ratio <= kWithin && ratio >= 1 / kWithin ? 1 : 0;
+      const StepAdvice advice = adviseStep(scene, spectrum, method.name);
+      const double predicted = advice.predicted.step, measured = advice.tried.step;
+      BOOST_TEST_REQUIRE(measured > 0, scene.name << ", " << method.name);
+      const double guess = std::isinf(measured) ? 0.01 * kDuration : measured;
+      const double found = bisected(scene, method.name, kDuration, guess, spectrum.most_kinetic);
+      BOOST_TEST_MESSAGE("stable " << scene.name << " " << method.name << " " << predicted << " "
+                                   << measured << " " << found << " " << measured / found << " "
+                                   << advice.tried.runs << " " << advice.tried.calls);
+      Count& count = within[method.name];
+      count.scenes += 1;
+      count.predicted += isWithin(predicted, found) ? 1 : 0;
+      count.measured += isWithin(measured, found) ? 1 : 0;
     }
   }
-  const std::pair<const char*, int> outside[] = {
-      // as measured
-      {"runge_kutta4", 3},    {"runge_kutta_dopri5", 0}, {"runge_kutta_fehlberg78", 0},
-      {"bulirsch_stoer8", 1}, {"lie_runge_kutta4", 3},   {"stormer_verlet", 5}};
-  for (const auto& [method, most] : outside) {
-    const auto [near, all] = within[method];
-    BOOST_TEST(all >= 19, method << ": " << all << " scenes");
-    BOOST_TEST(near >= all - most, method << ": " << near << " of " << all);
+  for (const Integrator& method : integrators()) {
+    const Count& count = within[method.name];
+    BOOST_TEST_MESSAGE("within " << method.name << ": predicted " << count.predicted
+                                 << ", measured " << count.measured << " of " << count.scenes);
+    BOOST_TEST(count.measured >= 20,
+               method.name << ": " << count.measured << " of " << count.scenes);
+  }
+}
+
+// An error that falls with h asks for more steps: less is asked of what is of a low order.
+BOOST_AUTO_TEST_CASE(steps_for_an_accuracy_in_all_scenes) {
+  if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
+  constexpr double kDuration = 2;
+  constexpr int kMostOutside = 2;
+  std::map<std::string, std::pair<int, int>> within;  // of how many
+  for (const scene::Scene& scene : smallTrees()) {
+    const SpectrumAlong spectrum = spectrumAlong(scene, kDuration);
+    const bool has_momenta = TreeMotion<double>(scene.mechanism).hasMomenta();
+    const std::vector<long double> reference = endOf(scene, kDuration);
+    for (const Integrator& method : integrators()) {
+      if (method.needs_momenta && !has_momenta) continue;
+      const double accuracy = method.order == 1 ? 0.1 : method.order == 2 ? 1e-3 : 1e-6;
+      const KnownEnd end = knownEnd(scene, kDuration, accuracy);
+      const TriedStep tried = adviseStep(scene, spectrum, method.name).tried;
+      const AccurateStep advised = accurateStep(scene, method.name, kDuration, accuracy,
+                                                std::min(tried.step, kDuration), end);
+      const double found =
+          std::min(tried.step, bisectedFor(scene, method.name, kDuration, accuracy, reference));
+      BOOST_TEST_MESSAGE("accurate " << scene.name << " " << method.name << " " << advised.step
+                                     << " " << found << " " << advised.step / found << " "
+                                     << advised.tried_calls / advised.calls << " "
+                                     << advised.is_predicted << advised.why);
+      if (advised.is_predicted) {  // neither runs as many steps
+        BOOST_TEST(found == 0, scene.name << ", " << method.name << ": " << found);
+        continue;
+      }
+      within[method.name].second += 1;
+      within[method.name].first += isWithin(advised.step, found) ? 1 : 0;
+    }
+  }
+  for (const auto& [method, count] : within) {
+    BOOST_TEST_MESSAGE("within " << method << ": " << count.first << " of " << count.second);
+    BOOST_TEST(count.first >= count.second - kMostOutside, method);
   }
 }
 
@@ -159,41 +273,21 @@ BOOST_DATA_TEST_CASE(the_step_for_an_accuracy_is_what_bisection_finds,
                      name, method) {
   constexpr double kDuration = 2, kAccuracy = 1e-6;
   const scene::Scene scene = scene::findScene(name);
-  const AccurateStep advised = accurateStep(scene, method, kDuration, kAccuracy, kDuration);
+  const AccurateStep advised = accurateStep(scene, method, kDuration, kAccuracy, kDuration,
+                                            knownEnd(scene, kDuration, kAccuracy));
   BOOST_TEST_REQUIRE(advised.step > 0, advised.why);
-  const std::vector<long double> reference = referenceMotion(scene, kDuration).y;
-  TreeMotion<double> motion(scene.mechanism);
-  const auto error = [&](long steps) {
-    std::vector<double> y = startOf<double>(scene);
-    const auto stepper = stepsOf<double>(method, motion);
-    try {
-      for (long k = 0; k < steps; ++k) stepper->step(&y, 0, kDuration / static_cast<double>(steps));
-    } catch (const std::runtime_error&) {  // too long for an implicit method
-      return HUGE_VAL;
-    }
-    double worst = 0;
-    for (std::size_t i = 0; i + 1 < y.size(); ++i)
-      if (const double d = static_cast<double>(std::abs(y[i] - reference[i])); !(d <= worst))
-        worst = d;
-    return std::isfinite(worst) ? worst : HUGE_VAL;
-  };
-  long fewest = 1;  // steps, by doubling and bisection
-  while (error(fewest) > kAccuracy) fewest *= 2;
-  for (long low = fewest / 2; fewest - low > 1 + fewest / 100;) {
-    const long middle = (low + fewest) / 2;
-    (error(middle) > kAccuracy ? low : fewest) = middle;
-  }
-  const double found = kDuration / static_cast<double>(fewest);
+  const double found =
+      bisectedFor(scene, method, kDuration, kAccuracy, referenceMotion(scene, kDuration).y);
   BOOST_TEST_MESSAGE(name << ", " << method << ": advised " << advised.step << ", found " << found);
-  BOOST_TEST(advised.step <= kWithin * found);
-  BOOST_TEST(advised.step >= found / kWithin);
+  BOOST_TEST(isWithin(advised.step, found), advised.step << ", " << found);
 }
 
 BOOST_AUTO_TEST_CASE(a_run_that_goes_unstable_is_explained) {
   const std::string said = adviceAfterFailure(springs(), "runge_kutta4", 10, 0.04, 3.1);
   for (const char* part :
        {"at t = 3.1 s: runge_kutta4 with h = 0.04 s is unstable here (h |lambda| = 4 ",
-        "limit 2.83", "h <= 0.028 s, or implicit_midpoint"})
+        "limit 2.83",
+        "h <= 0.028 s (measured; predicted 0.028 s), or implicit_midpoint with h = 0.04 s"})
     BOOST_TEST(said.find(part) != std::string::npos, said);
   const fixtures::Program program;
   const fixtures::Outcome drift =
