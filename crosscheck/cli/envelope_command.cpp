@@ -32,7 +32,11 @@ int run(const Arguments& arguments) {
   const std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
   std::vector<EnvelopeBound> bounds;
   {
-    Progress progress(arguments.options.quantities(scene.mechanism.dof()) + 1, 1.0, false);
+    Progress progress(
+        static_cast<int>(
+            envelopeQuantities(scene.mechanism.dof(), arguments.options.quantities).size()) +
+            1,
+        1.0, false);
     bounds = envelopeBounds(scene, ranges, arguments.options,
                             [&](const std::string& what) { progress.stage(what); });
   }
@@ -62,14 +66,20 @@ Run addEnvelope(CLI::App* command) {
                    "Boxes at most: for each quantity, whose bound stands as it is then")
       ->capture_default_str()
       ->check(whole(1, 100000000));
-  command->add_flag("--all", arguments->options.all,
-                    "Also bound M, c, g and the kinetic energy T, not tau alone");
+  command
+      ->add_option(
+          "--quantity", arguments->options.quantities,
+          "What is bounded, one or several with commas: tau, qdd (for the ranges of tau in "
+          "[envelope]), M, c, g, T, V, energy (T + V), reactions (of the joints that move)")
+      ->delimiter(',')
+      ->default_str("tau")
+      ->check(oneOf(kEnvelopeQuantities));
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness envelope puma_560\n"
       "  dynwitness envelope kuka_iiwa_14 --ratio 1.5\n"
-      "  dynwitness envelope planar_3r --all --ratio 1.05 --json envelope.json\n"
+      "  dynwitness envelope planar_3r --quantity qdd,energy --ratio 1.05 --json envelope.json\n"
       "  dynwitness envelope scara --gravity 0,0,-1.62\n"
       "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
       "included; 'at least' is what the sweeps answer at the worst state that was\n"
