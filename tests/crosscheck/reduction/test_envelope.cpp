@@ -177,6 +177,8 @@ BOOST_DATA_TEST_CASE(no_sampled_state_exceeds_accelerations_energies_or_reaction
     BOOST_TEST(std::isfinite(bounds[b].certified), bounds[b].quantity.name());
     BOOST_TEST(worst[b] <= bounds[b].certified * (1 + 1e-12) + 1e-12, bounds[b].quantity.name());
     BOOST_TEST(bounds[b].sampled <= bounds[b].certified);
+    // too much in a polynomial makes bounds that no state comes near: at most 1000 boxes do here
+    if (name == "planar_3r") BOOST_TEST(bounds[b].is_reached, bounds[b].quantity.name());
   }
 }
 
