@@ -194,13 +194,15 @@ class AccelerationSearch {
   AccelerationSearch(const TrigonometricModel& model, const std::vector<JointRanges>& ranges, int i)
       : model_(model), ranges_(ranges), i_(i), n_(model.dof), table_(model, ranges, listed()) {}
 
-  EnvelopeBound run(const EnvelopeOptions& options) {
+  EnvelopeBound run(const EnvelopeOptions& options, double decide) {
     Box whole;
     for (const int k : table_.active()) whole.q.push_back(at(k).q);
     for (Index r = 0; r < n_; ++r) whole.qd.push_back(at(r).qd);
     const BoxesSeen seen = bestFirst(
         whole, options.boxes, [&](Box* box) { judge(box); },
-        [&](double bound) { return bound <= options.ratio * seen_; });
+        [&](double bound) {
+          return decide < 0 ? bound <= options.ratio * seen_ : bound <= decide || seen_ > decide;
+        });
     EnvelopeBound out;
     out.certified = seen.bound;
     out.boxes = seen.count;
@@ -484,8 +486,9 @@ class AccelerationSearch {
 
 EnvelopeBound accelerationBound(const TrigonometricModel& model,
                                 const std::vector<JointRanges>& ranges,
-                                const EnvelopeQuantity& quantity, const EnvelopeOptions& options) {
-  EnvelopeBound out = AccelerationSearch(model, ranges, quantity.i).run(options);
+                                const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
+                                double decide) {
+  EnvelopeBound out = AccelerationSearch(model, ranges, quantity.i).run(options, decide);
   out.quantity = quantity;
   return out;
 }

@@ -27,9 +27,11 @@ namespace dynwitness::crosscheck {
     Where rho is 1 or more a box has no bound and is halved. Roundings are counted as everywhere
     here; M is factored in RunningError.
     @param ranges  each with tau
+    @param decide  as boundOfParts()
     @return  without `sampled`, which sweeps tell; certified infinite: the budget ended before (3) */
 EnvelopeBound accelerationBound(const TrigonometricModel& model,
                                 const std::vector<scene::JointRanges>& ranges,
-                                const EnvelopeQuantity& quantity, const EnvelopeOptions& options);
+                                const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
+                                double decide = -1);
 
 }  // namespace dynwitness::crosscheck

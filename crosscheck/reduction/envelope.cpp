@@ -456,62 +456,12 @@ EnvelopeBound boundOfParts(const TrigonometricModel& model, const std::vector<Jo
   return bound;
 }
 
-namespace {
-
-/// @throws scene::InputError  qdd is asked for and the envelope has no tau
-void requireForces(const scene::Scene& scene, const std::vector<JointRanges>& ranges,
-                   const std::vector<EnvelopeQuantity>& quantities) {
-  const bool is_asked =
-      std::any_of(quantities.begin(), quantities.end(),
-                  [](const EnvelopeQuantity& quantity) { return quantity.kind == Kind::kQdd; });
-  for (std::size_t k = 0; is_asked && k < ranges.size(); ++k)
-    if (!ranges[k].tau)
-      throw scene::InputError({scene.file.string()},
-                              "qdd: [envelope] has no tau of joint '" +
-                                  scene.mechanism.rateLabels()[k] +
-                                  "', allowed: tau = [lowest, highest] of every joint");
-}
-
-}  // namespace
-
-std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
-                                          const std::vector<JointRanges>& ranges,
-                                          const EnvelopeOptions& options,
-                                          const std::function<void(const std::string&)>& stage) {
-  if (ranges.empty() || static_cast<int>(ranges.size()) != scene.mechanism.dof())
-    throw scene::InputError({scene.file.string()},
-                            "no [envelope], allowed: a scene whose file gives ranges of q, qd and "
-                            "qdd for every joint (data/scenes/README.md)");
-  const std::vector<EnvelopeQuantity> quantities =
-      envelopeQuantities(scene.mechanism.dof(), options.quantities);
-  requireForces(scene, ranges, quantities);
-  scene::Work work("quantities", 1 + static_cast<double>(quantities.size()));
-  stage("M and g as polynomials");
-  const TrigonometricModel model = trigonometricModel(scene);
-  work.done();
-  std::vector<EnvelopeBound> out;
-  std::array<std::vector<EnvelopePart>, 6> reaction;
-  for (const EnvelopeQuantity& quantity : quantities) {
-    stage(quantity.name());
-    if (quantity.kind == Kind::kReaction && quantity.j == 0)
-      reaction = reactionParts(scene, quantity.i);
-    EnvelopeBound bound =
-        quantity.kind == Kind::kQdd ? accelerationBound(model, ranges, quantity, options)
-        : quantity.kind == Kind::kReaction
-            ? Search(model, ranges, quantity, reaction[static_cast<std::size_t>(quantity.j)], {})
-                  .run(options)
-            : Search(model, ranges, quantity).run(options);
-    bound.sampled = 0;  // what the sweeps say, not the polynomials
-    if (!bound.worst.q.empty()) {
-      const RunningError swept = sweptQuantity(scene, quantity, bound.worst);
-      bound.sampled = std::max(0.0, std::abs(swept.value()) - swept.bound());
-    }
-    bound.is_reached =
-        bound.certified <= options.ratio * bound.sampled || bound.certified <= 2 * bound.lost;
-    out.push_back(bound);
-    work.done();
-  }
-  return out;
+EnvelopeBound boundOf(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
+                      const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
+                      double decide) {
+  if (quantity.kind == Kind::kQdd)
+    return accelerationBound(model, ranges, quantity, options, decide);
+  return Search(model, ranges, quantity).run(options, decide);
 }
 
 }  // namespace dynwitness::crosscheck

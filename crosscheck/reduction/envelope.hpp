@@ -2,6 +2,7 @@
 // Guaranteed bounds of joint forces and other quantities over ranges of q, qd and qdd.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -40,8 +41,9 @@ struct EnvelopeBound {
   double certified = 0;  ///< |x| is at most this everywhere in the envelope; infinite: not bounded
   double sampled = 0;    ///< |x| is at least this at `worst`, by the sweeps
   EnvelopeState worst;
-  double lost = 0;  ///< of `certified`: what roundings may make
-  int boxes = 0;    ///< looked at
+  std::vector<bool> heavier;  ///< there, by weighing link (weighingLinks); none: as they are
+  double lost = 0;            ///< of `certified`: what roundings may make
+  int boxes = 0;              ///< looked at
   /// certified <= ratio sampled, or 0 but for `lost`; otherwise the budget ended
   bool is_reached = false;
 
@@ -52,7 +54,24 @@ struct EnvelopeOptions {
   double ratio = 1.2;                             ///< of certified to sampled, asked for
   int boxes = 200000;                             ///< at most, a quantity
   std::vector<std::string> quantities = {"tau"};  ///< of kEnvelopeQuantities
+  /// Every link that moves may be heavier or lighter by this share, as a whole: mass, first moment
+  /// and inertia. All quantities but qdd are linear in these, so that the corners are exact.
+  scene::Rational masses = 0;
 };
+
+/// Several boxes, one after the other: a tube around a motion.
+using EnvelopeBoxes = std::vector<std::vector<scene::JointRanges>>;
+
+/** Between two rows of a file of states (StatesReader: q, qd, and qdd or tau) the smallest box that
+    holds both, ranges of what a row has not being 0. A motion is bounded as far as it stays within
+    these between its rows.
+    @throws scene::InputError  as StatesReader; no qd, or of qdd and tau not what `quantities` need;
+      no row */
+EnvelopeBoxes boxesAlong(const std::filesystem::path& file, const scene::Scene& scene,
+                         const std::vector<std::string>& quantities);
+
+/// Indices of the links that move and have mass.
+std::vector<std::size_t> weighingLinks(const scene::Mechanism& mechanism);
 
 /// What can be asked for: tau, qdd, M, c, g, T, V, energy, reactions.
 extern const std::vector<std::string> kEnvelopeQuantities;
@@ -77,6 +96,13 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
                                           const EnvelopeOptions& options,
                                           const std::function<void(const std::string&)>& stage);
 
+/** The same over several boxes, and over what links may weigh: the largest of all.
+    @throws scene::InputError  as before; masses are uncertain, and qdd is asked for, or more than
+      10 links move */
+std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene, const EnvelopeBoxes& boxes,
+                                          const EnvelopeOptions& options,
+                                          const std::function<void(const std::string&)>& stage);
+
 /** The same of a sum of parts, without springs and friction; `sampled` is what the parts say at
     `worst`, less the roundings, and no sweep is asked.
     @param decide  zero or more: ends as soon as it is known whether |x| <= decide everywhere, and
@@ -86,13 +112,19 @@ EnvelopeBound boundOfParts(const TrigonometricModel& model,
                            const EnvelopeQuantity& name, const std::vector<EnvelopePart>& parts,
                            const EnvelopeOptions& options, double decide = -1);
 
+/// Of any quantity but reactions; without `sampled`, which sweeps tell.
+EnvelopeBound boundOf(const TrigonometricModel& model,
+                      const std::vector<scene::JointRanges>& ranges,
+                      const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
+                      double decide = -1);
+
 /// The quantity at one state by the sweeps of recursive/: value, and what rounding may have lost.
 RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& quantity,
                            const EnvelopeState& state);
 
 /// For people, and for programs (crosscheck/reduction/envelope.schema.json).
 std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds);
-std::string envelopeJson(const scene::Scene& scene, const std::vector<scene::JointRanges>& ranges,
+std::string envelopeJson(const scene::Scene& scene, const EnvelopeBoxes& boxes,
                          const std::vector<EnvelopeBound>& bounds, const EnvelopeOptions& options,
                          const std::string& version);
 

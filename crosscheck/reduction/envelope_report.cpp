@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/reduction/envelope.hpp"
@@ -39,6 +41,41 @@ std::string unitIn(const scene::Scene& scene, const EnvelopeQuantity& of) {
   }
 }
 
+/// Those that weigh more, or less, at the worst state.
+std::vector<std::string> linksOf(const scene::Scene& scene, const EnvelopeBound& bound,
+                                 bool heavier) {
+  std::vector<std::string> out;
+  const std::vector<std::size_t> links = weighingLinks(scene.mechanism);
+  for (std::size_t k = 0; k < bound.heavier.size(); ++k)
+    if (bound.heavier[k] == heavier) out.push_back(scene.mechanism.links[links[k]].name);
+  return out;
+}
+
+/// "; heavier: a, b; lighter: c"
+std::string weights(const scene::Scene& scene, const EnvelopeBound& bound) {
+  std::string text;
+  for (const bool heavier : {true, false})
+    if (const std::vector<std::string> names = linksOf(scene, bound, heavier); !names.empty())
+      text += fmt::format("; {}: {}", heavier ? "heavier" : "lighter", fmt::join(names, ", "));
+  return text;
+}
+
+/// The smallest box that holds all of these.
+std::vector<scene::JointRanges> hullOf(const EnvelopeBoxes& boxes) {
+  std::vector<scene::JointRanges> out = boxes.front();
+  const auto widen = [](scene::Range* a, const scene::Range& b) {
+    *a = {std::min(a->low, b.low), std::max(a->high, b.high)};
+  };
+  for (const std::vector<scene::JointRanges>& box : boxes)
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      widen(&out[k].q, box[k].q);
+      widen(&out[k].qd, box[k].qd);
+      widen(&out[k].qdd, box[k].qdd);
+      if (out[k].tau) widen(&*out[k].tau, *box[k].tau);
+    }
+  return out;
+}
+
 Json number(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
@@ -55,11 +92,12 @@ std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBo
     text +=
         fmt::format("{:<13} {:>12.6g} {:>12.6g} {:<7} {:>7.4g} {:>7}  ", b.quantity.name(), shown,
                     b.sampled * (1 - 5e-6), unitIn(scene, b.quantity), b.ratio(), b.boxes);
-    text += b.worst.q.empty()
-                ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
-                : fmt::format("q = {}; qd = {}; {} = {}\n", row(b.worst.q), row(b.worst.qd),
-                              b.worst.tau.empty() ? "qdd" : "tau",
-                              row(b.worst.tau.empty() ? b.worst.qdd : b.worst.tau));
+    text +=
+        b.worst.q.empty()
+            ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
+            : fmt::format("q = {}; qd = {}; {} = {}{}\n", row(b.worst.q), row(b.worst.qd),
+                          b.worst.tau.empty() ? "qdd" : "tau",
+                          row(b.worst.tau.empty() ? b.worst.qdd : b.worst.tau), weights(scene, b));
     if (!b.is_reached)
       text += std::string(14, ' ') +
               (std::isfinite(b.certified)
@@ -69,11 +107,12 @@ std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBo
   return text;
 }
 
-std::string envelopeJson(const scene::Scene& scene, const std::vector<scene::JointRanges>& ranges,
+std::string envelopeJson(const scene::Scene& scene, const EnvelopeBoxes& boxes,
                          const std::vector<EnvelopeBound>& bounds, const EnvelopeOptions& options,
                          const std::string& version) {
   Json joints = Json::array(), rows = Json::array();
   const std::vector<std::string> labels = scene.mechanism.rateLabels();
+  const std::vector<scene::JointRanges> ranges = hullOf(boxes);
   for (std::size_t k = 0; k < ranges.size(); ++k) {
     joints.push_back({{"joint", labels[k]},
                       {"q", {ranges[k].q.low, ranges[k].q.high}},
@@ -92,9 +131,17 @@ std::string envelopeJson(const scene::Scene& scene, const std::vector<scene::Joi
                     {"q", b.worst.q},
                     {"qd", b.worst.qd},
                     {"qdd", b.worst.qdd},
-                    {"tau", b.worst.tau}});
-  return Json{{"dynwitness", version},       {"scene", scene.name}, {"ratio_asked", options.ratio},
-              {"most_boxes", options.boxes}, {"envelope", joints},  {"bounds", rows}}
+                    {"tau", b.worst.tau},
+                    {"heavier", linksOf(scene, b, true)},
+                    {"lighter", linksOf(scene, b, false)}});
+  return Json{{"dynwitness", version},
+              {"scene", scene.name},
+              {"ratio_asked", options.ratio},
+              {"most_boxes", options.boxes},
+              {"masses_within", static_cast<double>(options.masses)},
+              {"boxes_of_motion", boxes.size()},
+              {"envelope", joints},
+              {"bounds", rows}}
              .dump(2) +
          "\n";
 }
