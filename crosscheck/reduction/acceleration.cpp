@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -189,12 +190,22 @@ struct Corner {
   VectorXd relative;    ///< of M' and M'', by column of the table
 };
 
-class AccelerationSearch {
+class AccelerationSearch : public BoundedQuantity {
  public:
-  AccelerationSearch(const TrigonometricModel& model, const std::vector<JointRanges>& ranges, int i)
-      : model_(model), ranges_(ranges), i_(i), n_(model.dof), table_(model, ranges, listed()) {}
+  AccelerationSearch(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
+                     const EnvelopeQuantity& quantity)
+      : model_(model),
+        ranges_(&ranges),
+        quantity_(quantity),
+        i_(quantity.i),
+        n_(model.dof),
+        table_(model, ranges, listed()) {}
 
-  EnvelopeBound run(const EnvelopeOptions& options, double decide) {
+  EnvelopeBound over(const std::vector<JointRanges>& box, const EnvelopeOptions& options,
+                     double decide) override {
+    ranges_ = &box;
+    seen_ = lost_ = 0;
+    worst_ = {};
     Box whole;
     for (const int k : table_.active()) whole.q.push_back(at(k).q);
     for (Index r = 0; r < n_; ++r) whole.qd.push_back(at(r).qd);
@@ -204,6 +215,7 @@ class AccelerationSearch {
           return decide < 0 ? bound <= options.ratio * seen_ : bound <= decide || seen_ > decide;
         });
     EnvelopeBound out;
+    out.quantity = quantity_;
     out.certified = seen.bound;
     out.boxes = seen.count;
     out.worst = worst_;
@@ -212,7 +224,7 @@ class AccelerationSearch {
   }
 
  private:
-  const JointRanges& at(Index k) const { return ranges_[static_cast<std::size_t>(k)]; }
+  const JointRanges& at(Index k) const { return (*ranges_)[static_cast<std::size_t>(k)]; }
   const RunningError& of(const std::vector<RunningError>& v, Index k) const {
     return v[static_cast<std::size_t>(k)];
   }
@@ -473,7 +485,8 @@ class AccelerationSearch {
   };
 
   const TrigonometricModel& model_;
-  const std::vector<JointRanges>& ranges_;
+  const std::vector<JointRanges>* ranges_;  ///< all of them, then those of one box within
+  EnvelopeQuantity quantity_;
   Index i_, n_;
   std::vector<Source> sources_;
   PolynomialTable table_;
@@ -484,13 +497,10 @@ class AccelerationSearch {
 
 }  // namespace
 
-EnvelopeBound accelerationBound(const TrigonometricModel& model,
-                                const std::vector<JointRanges>& ranges,
-                                const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
-                                double decide) {
-  EnvelopeBound out = AccelerationSearch(model, ranges, quantity.i).run(options, decide);
-  out.quantity = quantity;
-  return out;
+std::unique_ptr<BoundedQuantity> boundedAcceleration(const TrigonometricModel& model,
+                                                     const std::vector<JointRanges>& ranges,
+                                                     const EnvelopeQuantity& quantity) {
+  return std::make_unique<AccelerationSearch>(model, ranges, quantity);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -2,6 +2,7 @@
 // Guaranteed bounds of joint accelerations over ranges of q, qd and tau.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "crosscheck/reduction/envelope.hpp"
@@ -26,12 +27,10 @@ namespace dynwitness::crosscheck {
     sum |R_jk| sqrt((M^-1)_jj (M^-1)_kk) < 1, takes M to no less than (1 - rho) times the mean (3).
     Where rho is 1 or more a box has no bound and is halved. Roundings are counted as everywhere
     here; M is factored in RunningError.
-    @param ranges  each with tau
-    @param decide  as boundOfParts()
-    @return  without `sampled`, which sweeps tell; certified infinite: the budget ended before (3) */
-EnvelopeBound accelerationBound(const TrigonometricModel& model,
-                                const std::vector<scene::JointRanges>& ranges,
-                                const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
-                                double decide = -1);
+    @param ranges  each with tau; they and the model must outlive what is returned, whose bounds are
+      infinite where the budget ended before (3) */
+std::unique_ptr<BoundedQuantity> boundedAcceleration(const TrigonometricModel& model,
+                                                     const std::vector<scene::JointRanges>& ranges,
+                                                     const EnvelopeQuantity& quantity);
 
 }  // namespace dynwitness::crosscheck

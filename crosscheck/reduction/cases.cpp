@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -64,40 +65,40 @@ class OneScene {
         boxes_(boxes),
         options_(options),
         heavier_(std::move(heavier)),
+        hull_(hullOf(boxes)),
         model_(trigonometricModel(scene)) {}
 
   void take(const EnvelopeQuantity& quantity, bool is_first, EnvelopeBound* best) {
     if (quantity.kind == Kind::kReaction && (quantity.j == 0 || reaction_.front().empty()))
       reaction_ = reactionParts(scene_, quantity.i);
+    const std::unique_ptr<BoundedQuantity> bounded = boundedQuantity(
+        model_, hull_, quantity,
+        quantity.kind == Kind::kReaction ? reaction_[static_cast<std::size_t>(quantity.j)]
+                                         : std::vector<EnvelopePart>());
+    scene::Work work("boxes of the motion", static_cast<double>(boxes_.size()));
     for (const std::vector<JointRanges>& box : boxes_) {
       if (is_first) {
-        *best = bound(box, quantity, -1);
+        *best = bounded->over(box, options_, -1);
         best->sampled = 0;
         see(*best, best);
         is_first = false;
         continue;
       }
-      EnvelopeBound mine = bound(box, quantity, best->certified);
+      EnvelopeBound mine = bounded->over(box, options_, best->certified);
       best->boxes += mine.boxes;
       if (mine.certified > best->certified) {  // then how much it is
         see(mine, best);
-        mine = bound(box, quantity, -1);
+        mine = bounded->over(box, options_, -1);
         best->boxes += mine.boxes;
       }
       see(mine, best);
       best->certified = std::max(best->certified, mine.certified);
       best->lost = std::max(best->lost, mine.lost);
+      work.done();
     }
   }
 
  private:
-  EnvelopeBound bound(const std::vector<JointRanges>& box, const EnvelopeQuantity& quantity,
-                      double decide) const {
-    return quantity.kind == Kind::kReaction
-               ? boundOfParts(model_, box, quantity,
-                              reaction_[static_cast<std::size_t>(quantity.j)], options_, decide)
-               : boundOf(model_, box, quantity, options_, decide);
-  }
   /// What the sweeps say at its worst state, not the polynomials.
   void see(const EnvelopeBound& mine, EnvelopeBound* best) const {
     if (mine.worst.q.empty()) return;
@@ -113,11 +114,27 @@ class OneScene {
   const EnvelopeBoxes& boxes_;
   const EnvelopeOptions& options_;
   std::vector<bool> heavier_;
+  std::vector<JointRanges> hull_;
   TrigonometricModel model_;
   std::array<std::vector<EnvelopePart>, 6> reaction_;
 };
 
 }  // namespace
+
+std::vector<scene::JointRanges> hullOf(const EnvelopeBoxes& boxes) {
+  std::vector<scene::JointRanges> out = boxes.front();
+  const auto widen = [](scene::Range* a, const scene::Range& b) {
+    *a = {std::min(a->low, b.low), std::max(a->high, b.high)};
+  };
+  for (const std::vector<scene::JointRanges>& box : boxes)
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      widen(&out[k].q, box[k].q);
+      widen(&out[k].qd, box[k].qd);
+      widen(&out[k].qdd, box[k].qdd);
+      if (out[k].tau) widen(&*out[k].tau, *box[k].tau);
+    }
+  return out;
+}
 
 std::vector<std::size_t> weighingLinks(const scene::Mechanism& mechanism) {
   std::vector<bool> moves(mechanism.links.size(), false);

@@ -43,7 +43,7 @@ struct Beside {
   bool friction = false;       ///< of its joint
 };
 
-class Search {
+class Search : public BoundedQuantity {
  public:
   Search(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
          const EnvelopeQuantity& quantity)
@@ -54,7 +54,7 @@ class Search {
   Search(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
          const EnvelopeQuantity& quantity, std::vector<Part> parts, Beside beside)
       : model_(model),
-        ranges_(ranges),
+        ranges_(&ranges),
         quantity_(quantity),
         parts_(std::move(parts)),
         beside_(beside) {
@@ -67,8 +67,11 @@ class Search {
     boundDerivatives();
   }
 
-  /// @param decide  as boundOfParts()
-  EnvelopeBound run(const EnvelopeOptions& options, double decide = -1) {
+  EnvelopeBound over(const std::vector<JointRanges>& box, const EnvelopeOptions& options,
+                     double decide) override {
+    ranges_ = &box;
+    seen_ = 0;
+    worst_ = {};
     EnvelopeBound out;
     out.quantity = quantity_;
     Box whole;
@@ -89,7 +92,7 @@ class Search {
   }
 
  private:
-  const JointRanges& at(int k) const { return ranges_[static_cast<std::size_t>(k)]; }
+  const JointRanges& at(int k) const { return (*ranges_)[static_cast<std::size_t>(k)]; }
   bool slides(int k) const { return model_.slides[static_cast<std::size_t>(k)]; }
   const RunningError& of(const std::vector<RunningError>& v) const {
     return v[static_cast<std::size_t>(quantity_.i)];
@@ -421,7 +424,7 @@ class Search {
   }
 
   const TrigonometricModel& model_;
-  const std::vector<JointRanges>& ranges_;
+  const std::vector<JointRanges>* ranges_;  ///< all of them, then those of one box within
   EnvelopeQuantity quantity_;
   std::vector<Part> parts_;
   VectorXd sizes_;  ///< the most that each part is multiplied by
@@ -450,18 +453,20 @@ double EnvelopeBound::ratio() const {
 EnvelopeBound boundOfParts(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
                            const EnvelopeQuantity& name, const std::vector<EnvelopePart>& parts,
                            const EnvelopeOptions& options, double decide) {
-  EnvelopeBound bound = Search(model, ranges, name, parts, {}).run(options, decide);
+  EnvelopeBound bound = Search(model, ranges, name, parts, {}).over(ranges, options, decide);
   bound.is_reached = bound.certified <= (decide < 0 ? options.ratio * bound.sampled : decide) ||
                      bound.certified <= 2 * bound.lost;
   return bound;
 }
 
-EnvelopeBound boundOf(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
-                      const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
-                      double decide) {
-  if (quantity.kind == Kind::kQdd)
-    return accelerationBound(model, ranges, quantity, options, decide);
-  return Search(model, ranges, quantity).run(options, decide);
+std::unique_ptr<BoundedQuantity> boundedQuantity(const TrigonometricModel& model,
+                                                 const std::vector<JointRanges>& within,
+                                                 const EnvelopeQuantity& quantity,
+                                                 const std::vector<EnvelopePart>& parts) {
+  if (quantity.kind == Kind::kQdd) return boundedAcceleration(model, within, quantity);
+  if (quantity.kind == Kind::kReaction)
+    return std::make_unique<Search>(model, within, quantity, parts, Beside());
+  return std::make_unique<Search>(model, within, quantity);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -112,11 +113,23 @@ EnvelopeBound boundOfParts(const TrigonometricModel& model,
                            const EnvelopeQuantity& name, const std::vector<EnvelopePart>& parts,
                            const EnvelopeOptions& options, double decide = -1);
 
-/// Of any quantity but reactions; without `sampled`, which sweeps tell.
-EnvelopeBound boundOf(const TrigonometricModel& model,
-                      const std::vector<scene::JointRanges>& ranges,
-                      const EnvelopeQuantity& quantity, const EnvelopeOptions& options,
-                      double decide = -1);
+/// A quantity, ready to be bounded over boxes within the ranges that it was made for; corners that
+/// several boxes share are asked once.
+class BoundedQuantity {
+ public:
+  virtual ~BoundedQuantity() = default;
+  /// Without `sampled`, which sweeps tell. @param decide  as boundOfParts()
+  virtual EnvelopeBound over(const std::vector<scene::JointRanges>& box,
+                             const EnvelopeOptions& options, double decide) = 0;
+};
+/// @param parts  of a reaction (reactionParts); others are those of the quantity
+/// @param model, within  must outlive what is returned
+std::unique_ptr<BoundedQuantity> boundedQuantity(const TrigonometricModel& model,
+                                                 const std::vector<scene::JointRanges>& within,
+                                                 const EnvelopeQuantity& quantity,
+                                                 const std::vector<EnvelopePart>& parts);
+/// The smallest box that holds all of these.
+std::vector<scene::JointRanges> hullOf(const EnvelopeBoxes& boxes);
 
 /// The quantity at one state by the sweeps of recursive/: value, and what rounding may have lost.
 RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& quantity,

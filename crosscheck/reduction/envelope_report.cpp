@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -58,22 +57,6 @@ std::string weights(const scene::Scene& scene, const EnvelopeBound& bound) {
     if (const std::vector<std::string> names = linksOf(scene, bound, heavier); !names.empty())
       text += fmt::format("; {}: {}", heavier ? "heavier" : "lighter", fmt::join(names, ", "));
   return text;
-}
-
-/// The smallest box that holds all of these.
-std::vector<scene::JointRanges> hullOf(const EnvelopeBoxes& boxes) {
-  std::vector<scene::JointRanges> out = boxes.front();
-  const auto widen = [](scene::Range* a, const scene::Range& b) {
-    *a = {std::min(a->low, b.low), std::max(a->high, b.high)};
-  };
-  for (const std::vector<scene::JointRanges>& box : boxes)
-    for (std::size_t k = 0; k < out.size(); ++k) {
-      widen(&out[k].q, box[k].q);
-      widen(&out[k].qd, box[k].qd);
-      widen(&out[k].qdd, box[k].qdd);
-      if (out[k].tau) widen(&*out[k].tau, *box[k].tau);
-    }
-  return out;
 }
 
 Json number(double x) {
