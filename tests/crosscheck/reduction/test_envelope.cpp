@@ -227,12 +227,14 @@ BOOST_AUTO_TEST_CASE(what_has_no_bound_is_refused_with_a_reason) {
   refused([&] { read("hinge = { q = [2, 1], qd = [0, 1], qdd = [0, 1] }\n"); }, "is empty");
   refused([&] { read("hinge = { q = [0, inf], qd = [0, 1], qdd = [0, 1] }\n"); }, "not finite");
   refused([&] { read("knee = { q = [0, 1], qd = [0, 1], qdd = [0, 1] }\n"); }, "knee");
-  refused([&] { envelopeBounds(pendulum(""), {}, {}, kNoStage); }, "no [envelope]");
+  refused([&] { envelopeBounds(pendulum(""), std::vector<scene::JointRanges>(), {}, kNoStage); },
+          "no [envelope]");
   EnvelopeOptions accelerations;
   accelerations.quantities = {"qdd"};
   refused(
       [&] {
-        envelopeBounds(pendulum(""), {{{0, 1}, {0, 1}, {0, 1}}}, accelerations, kNoStage);
+        const std::vector<scene::JointRanges> ranges = {{{0, 1}, {0, 1}, {0, 1}}};
+        envelopeBounds(pendulum(""), ranges, accelerations, kNoStage);
       },
       "no tau of joint 'hinge'");
   refused([&] { trigonometricModel(scene::findScene("heavy_top")); }, "spherical");
