@@ -51,7 +51,7 @@ xyz = [0.5, 0, 0]
 shoulder = { q = [-1, 1.5], qd = [-2, 2], qdd = [-5, 5] }
 elbow = { q = [-2, 2], qd = [-3, 3], qdd = [-8, 8] }
 """
-PIECES = 20  # of each joint's range: boxes of an eighth and a fifth of a radian
+PIECES = 12  # of each joint's range: boxes of a fifth and a third of a radian
 
 
 def numbers(text):
