@@ -69,8 +69,8 @@ Run addEnvelope(CLI::App* command) {
   command
       ->add_option(
           "--quantity", arguments->options.quantities,
-          "What is bounded, one or several with commas: tau, qdd (for the ranges of tau in "
-          "[envelope]), M, c, g, T, V, energy (T + V), reactions (of the joints that move)")
+          "Quantities: what is bounded, several with commas; tau, qdd (for the ranges of "
+          "tau in [envelope]), M, c, g, T, V, energy (T + V), reactions (of joints that move)")
       ->delimiter(',')
       ->default_str("tau")
       ->check(oneOf(kEnvelopeQuantities));
@@ -89,12 +89,12 @@ Run addEnvelope(CLI::App* command) {
       "  dynwitness envelope kuka_iiwa_14 --ratio 1.5\n"
       "  dynwitness envelope planar_3r --quantity qdd,energy --ratio 1.05 --json envelope.json\n"
       "  dynwitness envelope scara --gravity 0,0,-1.62 --masses-within 5%\n"
-      "  dynwitness simulate puma_560 --duration 2 -o motion\n"
-      "  dynwitness envelope puma_560 --along motion/puma_560.csv\n"
+      "  dynwitness simulate planar_3r --duration 2 --csv motion.csv\n"
+      "  dynwitness envelope planar_3r --along motion.csv --quantity energy,reactions\n"
       "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
       "included; 'at least' is what the sweeps answer at the worst state that was\n"
-      "seen. Along a file's motion that holds as far as it stays, between two rows, within\n"
-      "the box of both. Exit status 1: the ratio was not reached within --boxes.\n"
+      "seen. Along a file's motion it holds as far as that stays, between two rows,\n"
+      "within the box of both. Exit status 1: the ratio was not reached within --boxes.\n"
       "--set of a parameter changes [envelope] where it stands there; a base that floats, by\n"
       "--root or --base, has no ranges there, and is refused.");
   return [arguments] { return run(*arguments); };
