@@ -399,7 +399,7 @@ class Search : public BoundedQuantity {
         worst_.qdd[static_cast<std::size_t>(parts_[p].j)] = at(parts_[p].j).qdd.high;
   }
 
-  /// What lies between the corners, by variable, of f or of -f, in which springs' energy is concave.
+  /// What lies between the corners, by variable, of f or of -f; there springs' energy is concave.
   void addInterpolation(const VectorXd& curvature, const VectorXd& concave, double largest,
                         bool is_negative, Box* box) const {
     const auto m = static_cast<Eigen::Index>(active_.size());

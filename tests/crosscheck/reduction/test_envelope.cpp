@@ -120,7 +120,7 @@ BOOST_DATA_TEST_CASE(the_ratio_that_is_asked_for_is_reached,
   }
 }
 
-// At seeded states of the envelope and its corners: qdd from M and the forces of a sweep at qdd = 0,
+// At seeded states of the envelope and corners: qdd from M and the forces of a sweep at qdd = 0,
 // solved by Eigen; energies and reactions by sweeps in double.
 BOOST_DATA_TEST_CASE(no_sampled_state_exceeds_accelerations_energies_or_reactions,
                      data::make(std::vector<std::string>{"planar_3r", "scara", "puma_560"}), name) {
