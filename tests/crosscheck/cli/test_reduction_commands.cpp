@@ -101,8 +101,7 @@ BOOST_AUTO_TEST_CASE(bounds_along_a_motion_and_of_heavier_links) {
     BOOST_TEST(bound.at("at_most").get<double>() <= 1.001 * expected, options);
     BOOST_TEST(bound.at("at_least").get<double>() <= expected * (1 + 1e-15), options);
   };
-  const double along =
-      2 * (0.25 + 9.81 * 0.5 * std::sin(0.4));  // qdd = 1 in the first box
+  const double along = 2 * (0.25 + 9.81 * 0.5 * std::sin(0.4));  // qdd = 1 in the first box
   holds("--along motion.csv", along);
   holds("--along motion.csv --masses-within 5%", 1.05 * along);
   // rows 3 and 4: tau and q differ in sign: (3 + 2 gravity l sin 0.3) / (m l^2)
