@@ -27,9 +27,10 @@ class EnvelopeReader : TomlFile {
       const toml::node& ranges =
           required(table, "envelope", label, "{ q = [..], qd = [..], qdd = [..] } of every joint");
       const toml::table& of_joint = asTable(ranges, what);
-      checkKeys(of_joint, what, {"q", "qd", "qdd"});
+      checkKeys(of_joint, what, {"q", "qd", "qdd", "tau"});
       all.push_back(
           {range(of_joint, what, "q"), range(of_joint, what, "qd"), range(of_joint, what, "qdd")});
+      if (of_joint.contains("tau")) all.back().tau = range(of_joint, what, "tau");
     }
     return all;
   }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The ranges of q, qd and qdd that a scene's file gives: what a motion of it may be.
+// The ranges of q, qd and qdd, and of tau, that a scene's file gives: what a motion of it may be.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Range {
 /// Of one rate; SI units.
 struct JointRanges {
   Range q, qd, qdd;
+  std::optional<Range> tau = std::nullopt;  ///< what drives it; none: not given
 };
 
 /** The table [envelope] of a scene's TOML text, one entry a rate in the order of qd; none: the text

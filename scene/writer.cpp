@@ -285,8 +285,9 @@ std::string writeEnvelope(const Scene& scene, const std::vector<JointRanges>& ra
   const std::vector<std::string> labels = scene.mechanism.rateLabels();
   for (std::size_t k = 0; k < ranges.size(); ++k) {
     const auto pair = [](const Range& r) { return fmt::format("[{}, {}]", r.low, r.high); };
-    text += fmt::format("{} = {{ q = {}, qd = {}, qdd = {} }}\n", quoted(labels[k]),
-                        pair(ranges[k].q), pair(ranges[k].qd), pair(ranges[k].qdd));
+    text += fmt::format("{} = {{ q = {}, qd = {}, qdd = {}{} }}\n", quoted(labels[k]),
+                        pair(ranges[k].q), pair(ranges[k].qd), pair(ranges[k].qdd),
+                        ranges[k].tau ? ", tau = " + pair(*ranges[k].tau) : std::string());
   }
   return text;
 }

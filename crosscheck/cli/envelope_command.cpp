@@ -10,6 +10,7 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/share.hpp"
 #include "crosscheck/reduction/envelope.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/envelope.hpp"
@@ -21,25 +22,28 @@ using namespace crosscheck;
 
 struct Arguments {
   GivenScene scene;
-  std::string json;
+  std::string json, along, masses = "0";
   EnvelopeOptions options;
 };
 
-int run(const Arguments& arguments) {
+int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kEnvelope);
   requireMotion(scene);
-  const std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
+  arguments.options.masses = shareOf("--masses-within", arguments.masses);
+  const EnvelopeBoxes boxes =
+      arguments.along.empty() ? EnvelopeBoxes{envelopeOf(arguments.scene, scene)}
+                              : boxesAlong(arguments.along, scene, arguments.options.quantities);
   std::vector<EnvelopeBound> bounds;
   {
-    Progress progress(arguments.options.quantities(scene.mechanism.dof()) + 1, 1.0, false);
-    bounds = envelopeBounds(scene, ranges, arguments.options,
-                            [&](const std::string& what) { progress.stage(what); });
+    Progress progress("bounds of " + scene.name);
+    bounds = envelopeBounds(scene, boxes, arguments.options,
+                            [&](const std::string& what) { progress.note(what); });
   }
   fmt::print("{}", envelopeText(scene, bounds));
   if (!arguments.json.empty())
     writeWholeFile(arguments.json,
-                   envelopeJson(scene, ranges, bounds, arguments.options, DYNWITNESS_VERSION));
+                   envelopeJson(scene, boxes, bounds, arguments.options, DYNWITNESS_VERSION));
   return std::all_of(bounds.begin(), bounds.end(),
                      [](const EnvelopeBound& b) { return b.is_reached; })
              ? 0
@@ -62,18 +66,35 @@ Run addEnvelope(CLI::App* command) {
                    "Boxes at most: for each quantity, whose bound stands as it is then")
       ->capture_default_str()
       ->check(whole(1, 100000000));
-  command->add_flag("--all", arguments->options.all,
-                    "Also bound M, c, g and the kinetic energy T, not tau alone");
+  command
+      ->add_option(
+          "--quantity", arguments->options.quantities,
+          "Quantities: what is bounded, several with commas; tau, qdd (for the ranges of "
+          "tau in [envelope]), M, c, g, T, V, energy (T + V), reactions (of joints that move)")
+      ->delimiter(',')
+      ->default_str("tau")
+      ->check(oneOf(kEnvelopeQuantities));
+  command->add_option("--along", arguments->along,
+                      "CSV file of states q1.., qd1.., qdd1.. (of qdd: tau1..): a motion takes the "
+                      "place of [envelope], the smallest box of each two rows after each other");
+  command
+      ->add_option("--masses-within", arguments->masses,
+                   "Share, 5% or 0.05: each link that moves may be heavier or lighter by it, mass "
+                   "and inertia together; not for qdd")
+      ->capture_default_str();
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness envelope puma_560\n"
       "  dynwitness envelope kuka_iiwa_14 --ratio 1.5\n"
-      "  dynwitness envelope planar_3r --all --ratio 1.05 --json envelope.json\n"
-      "  dynwitness envelope scara --gravity 0,0,-1.62\n"
+      "  dynwitness envelope planar_3r --quantity qdd,energy --ratio 1.05 --json envelope.json\n"
+      "  dynwitness envelope scara --gravity 0,0,-1.62 --masses-within 5%\n"
+      "  dynwitness simulate planar_3r --duration 2 --csv motion.csv\n"
+      "  dynwitness envelope planar_3r --along motion.csv --quantity energy,reactions\n"
       "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
       "included; 'at least' is what the sweeps answer at the worst state that was\n"
-      "seen. Exit status 1: the ratio was not reached within --boxes.\n"
+      "seen. Along a file's motion it holds as far as that stays, between two rows,\n"
+      "within the box of both. Exit status 1: the ratio was not reached within --boxes.\n"
       "--set of a parameter changes [envelope] where it stands there; a base that floats, by\n"
       "--root or --base, has no ranges there, and is refused.");
   return [arguments] { return run(*arguments); };

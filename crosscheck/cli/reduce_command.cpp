@@ -9,11 +9,11 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/share.hpp"
 #include "crosscheck/reduction/reduce.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/envelope.hpp"
-#include "scene/expression.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -26,26 +26,6 @@ struct Arguments {
   ReduceOptions options;
   PictureLook look;
 };
-
-/// "1%", "0.01"
-double share(const std::string& text) {
-  const bool is_percent = !text.empty() && text.back() == '%';
-  const auto refuse = [&] {
-    throw scene::InputError(
-        {}, "--tolerance: got '" + text + "', allowed: a share from 0 to 1, or from 0% to 100%");
-  };
-  double x = -1;
-  try {
-    x = scene::exactValue(
-            scene::Expression::parse(is_percent ? text.substr(0, text.size() - 1) : text), {})
-            .toDouble();
-  } catch (const scene::InputError&) {
-    refuse();
-  }
-  if (is_percent) x /= 100;
-  if (!(x >= 0 && x <= 1)) refuse();
-  return x;
-}
 
 /// Operations against certified error, two curves.
 std::string frontScript(const scene::Scene& scene, const std::string& stem) {
@@ -67,7 +47,7 @@ int run(Arguments arguments) {
     requireWritableFile(file);
   if (!arguments.front.empty()) requireWritableFolder(arguments.front);
   const bool is_front = !arguments.front.empty();
-  arguments.options.allowed = {share(arguments.allowed)};
+  arguments.options.allowed = {static_cast<double>(shareOf("--tolerance", arguments.allowed))};
   if (is_front) {
     if (!arguments.c.empty() || !arguments.toml.empty())
       throw scene::InputError(

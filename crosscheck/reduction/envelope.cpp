@@ -6,13 +6,14 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <queue>
 #include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
 #include <Eigen/Core>
 
+#include "crosscheck/reduction/acceleration.hpp"
+#include "crosscheck/reduction/boxes.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
@@ -25,10 +26,6 @@ using Kind = EnvelopeQuantity::Kind;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Sums here have fewer than 2^16 terms (tabulate), each with fewer than 2^6 roundings of
-/// u = 2^-53: what is lost is below 2^-31 of the sum of the magnitudes.
-constexpr std::size_t kMostTerms = std::size_t{1} << 16;
-constexpr double kLost = RunningError::kUnitRoundoff * kMostTerms * 64;
 constexpr std::size_t kMostCorners = 100000;  ///< remembered at a time: 250 MB for seven joints
 
 using Part = EnvelopePart;
@@ -39,35 +36,28 @@ struct Corner {
   VectorXd curvature;  ///< sup |d^2/dq_k^2| over qd and qdd, by active joint
 };
 
-struct Box {
-  std::vector<Range> q, qd;  ///< of the active joints and rates
-  double bound = 0;
-  int split = -1;  ///< which of q, then qd adds most to the bound; -1: none adds anything
+/// What a quantity has beside its parts.
+struct Beside {
+  bool spring_force = false;   ///< of its joint: k (q - rest)
+  bool spring_energy = false;  ///< of all joints: k (q - rest)^2 / 2
+  bool friction = false;       ///< of its joint
 };
-bool operator<(const Box& a, const Box& b) {
-  return a.bound < b.bound;
-}
 
-double half(const Range& r) {
-  return 0.5 * (r.high - r.low);
-}
-
-class Search {
+class Search : public BoundedQuantity {
  public:
   Search(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
          const EnvelopeQuantity& quantity)
       : Search(model, ranges, quantity, envelopeParts(model, quantity),
-               quantity.kind == Kind::kTau || quantity.kind == Kind::kG,
-               quantity.kind == Kind::kTau) {}
+               {quantity.kind == Kind::kTau || quantity.kind == Kind::kG,
+                quantity.kind == Kind::kV || quantity.kind == Kind::kEnergy,
+                quantity.kind == Kind::kTau}) {}
   Search(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
-         const EnvelopeQuantity& quantity, std::vector<Part> parts, bool has_spring,
-         bool has_friction)
+         const EnvelopeQuantity& quantity, std::vector<Part> parts, Beside beside)
       : model_(model),
-        ranges_(ranges),
+        ranges_(&ranges),
         quantity_(quantity),
         parts_(std::move(parts)),
-        has_spring_(has_spring),
-        has_friction_(has_friction) {
+        beside_(beside) {
     sizes_.resize(static_cast<Eigen::Index>(parts_.size()));
     for (std::size_t p = 0; p < parts_.size(); ++p)
       sizes_(static_cast<Eigen::Index>(p)) = weight(parts_[p]);
@@ -77,38 +67,24 @@ class Search {
     boundDerivatives();
   }
 
-  /// @param decide  as boundOfParts()
-  EnvelopeBound run(const EnvelopeOptions& options, double decide = -1) {
+  EnvelopeBound over(const std::vector<JointRanges>& box, const EnvelopeOptions& options,
+                     double decide) override {
+    ranges_ = &box;
+    seen_ = 0;
+    worst_ = {};
     EnvelopeBound out;
     out.quantity = quantity_;
-    const scene::Work work("boxes", options.boxes);
     Box whole;
     for (const int k : active_) whole.q.push_back(at(k).q);
     for (const int r : rates_) whole.qd.push_back(at(r).qd);
-    std::priority_queue<Box> queue;
-    judge(&whole);
-    queue.push(whole);
-    out.boxes = 1;
-    const auto isKnown = [&] {
-      const double bound = queue.top().bound, seen = seen_ - 2 * slack_;
-      return decide < 0 ? bound <= options.ratio * seen : bound <= decide || seen > decide;
-    };
-    while (queue.top().split >= 0 && !isKnown() && out.boxes < options.boxes) {
-      const Box box = queue.top();
-      queue.pop();
-      for (const bool upper : {false, true}) {
-        Box part = box;
-        const auto s = static_cast<std::size_t>(box.split);
-        Range& r = s < box.q.size() ? part.q[s] : part.qd[s - box.q.size()];
-        (upper ? r.low : r.high) = r.low + half(r);
-        judge(&part);
-        // what holds for the whole holds for its part
-        part.bound = std::min(part.bound, box.bound);
-        queue.push(part);
-        ++out.boxes;
-      }
-    }
-    out.certified = queue.top().bound;
+    const BoxesSeen seen = bestFirst(
+        whole, options.boxes, [&](Box* box) { judge(box); },
+        [&](double bound) {
+          const double seen = seen_ - 2 * slack_;
+          return decide < 0 ? bound <= options.ratio * seen : bound <= decide || seen > decide;
+        });
+    out.certified = seen.bound;
+    out.boxes = seen.count;
     out.sampled = std::max(0.0, seen_ - 2 * slack_);
     out.worst = worst_;
     out.lost = slack_;
@@ -116,7 +92,7 @@ class Search {
   }
 
  private:
-  const JointRanges& at(int k) const { return ranges_[static_cast<std::size_t>(k)]; }
+  const JointRanges& at(int k) const { return (*ranges_)[static_cast<std::size_t>(k)]; }
   bool slides(int k) const { return model_.slides[static_cast<std::size_t>(k)]; }
   const RunningError& of(const std::vector<RunningError>& v) const {
     return v[static_cast<std::size_t>(quantity_.i)];
@@ -130,19 +106,12 @@ class Search {
   }
 
   static int harmonic(int digit) { return (digit + 1) / 2; }
-  /// sup |d^order/dq_k^order| of a monomial's factor k over the envelope; order 0, 2, 4.
-  double most(int digit, int k, int order) const {
-    if (slides(k)) {
-      if (order == 0) return std::pow(at(k).q.most(), digit);
-      return order == 2 && digit == 2 ? 2 : 0;
-    }
-    return std::pow(harmonic(digit), order);
-  }
   /// The same of a monomial, differentiated twice by k and twice by l; -1: by none.
   double most(const std::vector<int>& digits, int k, int l) const {
     double product = 1;
     for (int i = 0; i < model_.dof; ++i)
-      product *= most(digits[static_cast<std::size_t>(i)], i, 2 * (i == k) + 2 * (i == l));
+      product *= mostOfFactor(digits[static_cast<std::size_t>(i)], slides(i), at(i).q.most(),
+                              2 * (i == k) + 2 * (i == l));
     return product;
   }
 
@@ -153,9 +122,11 @@ class Search {
     for (const Part& part : parts_)
       for (const auto& [m, c] : part.f)
         if (counts(c)) monomials.insert(m);
-    if (monomials.size() * parts_.size() > kMostTerms * 64 || monomials.size() > kMostTerms / 2)
-      throw scene::InputError({}, fmt::format("envelope: {} has {} monomials, allowed: up to {}",
-                                              quantity_.name(), monomials.size(), kMostTerms / 2));
+    if (monomials.size() * parts_.size() > kMostMonomials * 64 ||
+        monomials.size() > kMostMonomials / 2)
+      throw scene::InputError(
+          {}, fmt::format("envelope: {} has {} monomials, allowed: up to {}", quantity_.name(),
+                          monomials.size(), kMostMonomials / 2));
     std::unordered_map<Monomial, Eigen::Index> column;
     for (const Monomial m : monomials) {
       column.emplace(m, static_cast<Eigen::Index>(digits_.size()));
@@ -185,24 +156,39 @@ class Search {
     const auto lost = [](const RunningError& x, double by) {
       return (x.bound() + kLost * std::abs(x.value())) * by;
     };
-    if (has_spring_) {
+    if (beside_.spring_force) {
       const RunningError rest = of(model_.stiffness) * of(model_.rest);
       slack_ += lost(of(model_.stiffness), r.q.most()) + lost(rest, 1);
     }
-    if (has_friction_)
+    for (int k = 0; k < model_.dof; ++k)
+      if (hasEnergyOf(k)) {
+        const RunningError& by = model_.rest[static_cast<std::size_t>(k)];
+        const double stretch = at(k).q.most() + std::abs(by.value()) + by.bound();
+        slack_ += lost(model_.stiffness[static_cast<std::size_t>(k)], stretch * stretch) +
+                  std::abs(stiffness(k)) * stretch * by.bound();
+      }
+    if (beside_.friction)
       slack_ += lost(of(model_.viscous), r.qd.most()) + lost(of(model_.positive), 1) +
                 lost(of(model_.negative), 1);
   }
 
+  bool hasEnergyOf(int k) const {
+    return beside_.spring_energy && model_.stiffness[static_cast<std::size_t>(k)].value() != 0;
+  }
+  double rest(int k) const { return model_.rest[static_cast<std::size_t>(k)].value(); }
+  double stiffness(int k) const { return model_.stiffness[static_cast<std::size_t>(k)].value(); }
+
   void chooseActive() {
     const auto isActive = [&](int k) {
-      if (has_spring_ && k == quantity_.i && of(model_.stiffness).value() != 0) return true;
+      if (hasEnergyOf(k)) return true;
+      if (beside_.spring_force && k == quantity_.i && of(model_.stiffness).value() != 0)
+        return true;
       return std::any_of(digits_.begin(), digits_.end(), [k](const std::vector<int>& d) {
         return d[static_cast<std::size_t>(k)] != 0;
       });
     };
     const auto isRate = [&](int r) {
-      if (has_friction_ && r == quantity_.i &&
+      if (beside_.friction && r == quantity_.i &&
           (of(model_.viscous).value() != 0 || of(model_.positive).value() != 0 ||
            of(model_.negative).value() != 0))
         return true;
@@ -315,59 +301,24 @@ class Search {
   /// The largest of sign (c + friction) over the corners of a box in qd.
   double mostOfRates(const Corner& at_q, const Box& box, int sign,
                      std::vector<double>* worst) const {
-    std::vector<double> v(rates_.size());
-    const std::vector<double> open = mostOfLater(at_q, box);
-    double best = -HUGE_VAL;
-    const auto add = [&](const auto& self, std::size_t a, double sum) -> void {
-      if (sum + open[a] <= best) return;  // whatever the rates from a on are
-      if (a == rates_.size()) {
-        if (sum > best) {
-          best = sum;
-          *worst = v;
-        }
-        return;
-      }
-      for (const double x : {box.qd[a].low, box.qd[a].high}) {
-        v[a] = x;
-        double slope = 0;
-        for (std::size_t b = 0; b <= a; ++b) {
-          const int p = pairs_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-          if (p >= 0) slope += at_q.values(p) * v[b];
-        }
-        if (has_friction_ && rates_[a] == quantity_.i) slope += of(model_.viscous).value();
-        self(self, a + 1, sum + sign * slope * x);
-        if (box.qd[a].low == box.qd[a].high) break;
-      }
-    };
-    add(add, 0, 0);
-    return best;
-  }
-
-  /// By rate: no less than the products with it or with any later one add, in the order of
-  /// mostOfRates(); and 0.
-  std::vector<double> mostOfLater(const Corner& at_q, const Box& box) const {
-    std::vector<double> open(rates_.size() + 1);
-    for (std::size_t a = rates_.size(); a-- > 0;) {
-      double slope = 0;
-      for (std::size_t b = 0; b <= a; ++b) {
-        const int p = pairs_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-        if (p >= 0) slope += std::abs(at_q.values(p)) * box.qd[b].most();
-      }
-      if (has_friction_ && rates_[a] == quantity_.i) slope += std::abs(of(model_.viscous).value());
-      open[a] = open[a + 1] + (1 + kLost) * slope * box.qd[a].most();
+    const auto r = static_cast<Eigen::Index>(rates_.size());
+    MatrixXd form = MatrixXd::Zero(r, r);
+    VectorXd linear = VectorXd::Zero(r);
+    for (Eigen::Index a = 0; a < r; ++a) {
+      for (Eigen::Index b = 0; b <= a; ++b)
+        if (pairs_(a, b) >= 0) form(a, b) = at_q.values(pairs_(a, b));
+      if (beside_.friction && rates_[static_cast<std::size_t>(a)] == quantity_.i)
+        linear(a) = of(model_.viscous).value();
     }
-    return open;
+    return largestAtRates(form, linear, box.qd, sign, worst);
   }
 
   /// The most that dry friction adds, over the rates of a box.
   double mostOfDryFriction(const Box& box, int sign) const {
     const auto a = std::find(rates_.begin(), rates_.end(), quantity_.i) - rates_.begin();
-    if (!has_friction_ || a == static_cast<std::ptrdiff_t>(rates_.size())) return 0;
-    const Range& qd = box.qd[static_cast<std::size_t>(a)];
-    double best = qd.low <= 0 && qd.high >= 0 ? 0 : -HUGE_VAL;
-    if (qd.high > 0) best = std::max(best, sign * of(model_.positive).value());
-    if (qd.low < 0) best = std::max(best, -sign * of(model_.negative).value());
-    return best;
+    if (!beside_.friction || a == static_cast<std::ptrdiff_t>(rates_.size())) return 0;
+    return largestDryFriction(box.qd[static_cast<std::size_t>(a)], of(model_.positive).value(),
+                              of(model_.negative).value(), sign);
   }
 
   /// The bound of a box, and where it comes from; the largest that is seen at its corners.
@@ -404,7 +355,7 @@ class Search {
     box->bound = 0;
     box->split = -1;
     for (const int negative : {0, 1})
-      addInterpolation(curvature, concave.col(negative), largest[negative], box);
+      addInterpolation(curvature, concave.col(negative), largest[negative], negative == 1, box);
   }
 
   /// The largest of sign (f + spring + sum a_j qdd_j).
@@ -415,16 +366,19 @@ class Search {
         const double a = sign * at_q.values(static_cast<Eigen::Index>(p));
         value += std::max(a * at(parts_[p].j).qdd.low, a * at(parts_[p].j).qdd.high);
       }
-    for (std::size_t k = 0; has_spring_ && k < active_.size(); ++k)
+    for (std::size_t k = 0; beside_.spring_force && k < active_.size(); ++k)
       if (active_[k] == quantity_.i)
         value += sign * of(model_.stiffness).value() * (q[k] - of(model_.rest).value());
+    for (std::size_t k = 0; k < active_.size(); ++k)
+      if (const int a = active_[k]; hasEnergyOf(a))
+        value += sign * stiffness(a) * std::pow(q[k] - rest(a), 2) / 2;
     return value;
   }
 
   /// @param value  without dry friction: that is put in by its sign here
   void remember(const Corner& at_q, const std::vector<double>& q, const std::vector<double>& qd,
                 int sign, double value) {
-    for (std::size_t a = 0; has_friction_ && a < rates_.size(); ++a)
+    for (std::size_t a = 0; beside_.friction && a < rates_.size(); ++a)
       if (rates_[a] == quantity_.i && qd[a] != 0)
         value += sign * (qd[a] > 0 ? of(model_.positive).value() : -of(model_.negative).value());
     if (!(value > seen_)) return;
@@ -445,15 +399,18 @@ class Search {
         worst_.qdd[static_cast<std::size_t>(parts_[p].j)] = at(parts_[p].j).qdd.high;
   }
 
-  /// What lies between the corners, by variable, of f or of -f.
+  /// What lies between the corners, by variable, of f or of -f; there springs' energy is concave.
   void addInterpolation(const VectorXd& curvature, const VectorXd& concave, double largest,
-                        Box* box) const {
+                        bool is_negative, Box* box) const {
     const auto m = static_cast<Eigen::Index>(active_.size());
     VectorXd w2(m);  // half the square of half the width
     for (Eigen::Index k = 0; k < m; ++k)
       w2(k) = 0.5 * std::pow(half(box->q[static_cast<std::size_t>(k)]), 2);
     VectorXd adds(m + static_cast<Eigen::Index>(rates_.size()));
     adds.head(m) = w2.cwiseProduct((curvature + second_lost_ + fourth_ * w2).cwiseMin(second_));
+    for (Eigen::Index k = 0; is_negative && k < m; ++k)
+      if (const int a = active_[static_cast<std::size_t>(k)]; hasEnergyOf(a))
+        adds(k) += w2(k) * stiffness(a);
     const VectorXd squares = (concave + squares_lost_ + of_squares_ * w2).cwiseMax(0);
     for (std::size_t a = 0; a < rates_.size(); ++a)
       adds(m + static_cast<Eigen::Index>(a)) =
@@ -467,11 +424,11 @@ class Search {
   }
 
   const TrigonometricModel& model_;
-  const std::vector<JointRanges>& ranges_;
+  const std::vector<JointRanges>* ranges_;  ///< all of them, then those of one box within
   EnvelopeQuantity quantity_;
   std::vector<Part> parts_;
   VectorXd sizes_;  ///< the most that each part is multiplied by
-  bool has_spring_ = false, has_friction_ = false;
+  Beside beside_;
   std::vector<std::vector<int>> digits_;  ///< of the monomials
   MatrixXd coefficients_;                 ///< parts x monomials
   double slack_ = 0;                      ///< coefficients not known, and roundings
@@ -486,147 +443,30 @@ class Search {
   EnvelopeState worst_;
 };
 
-std::vector<EnvelopeQuantity> quantitiesOf(int dof, bool all) {
-  std::vector<EnvelopeQuantity> out;
-  for (int i = 0; i < dof; ++i) out.push_back({Kind::kTau, i, 0});
-  if (!all) return out;
-  for (int i = 0; i < dof; ++i)
-    for (int j = i; j < dof; ++j) out.push_back({Kind::kM, i, j});
-  for (const Kind kind : {Kind::kC, Kind::kG})
-    for (int i = 0; i < dof; ++i) out.push_back({kind, i, 0});
-  out.push_back({Kind::kT, 0, 0});
-  return out;
-}
-
 }  // namespace
-
-std::vector<EnvelopePart> envelopeParts(const TrigonometricModel& model,
-                                        const EnvelopeQuantity& quantity) {
-  const auto i = static_cast<std::size_t>(quantity.i), j = static_cast<std::size_t>(quantity.j);
-  const int n = model.dof;
-  std::vector<Part> parts(1);
-  if (quantity.kind == Kind::kM) parts[0].f = model.M[i][j];
-  if (quantity.kind == Kind::kG || quantity.kind == Kind::kTau) parts[0].f = model.gravity[i];
-  if (quantity.kind == Kind::kTau) {
-    add(model.loads[i], 1, &parts[0].f);
-    for (int a = 0; a < n; ++a) parts.push_back({model.M[i][static_cast<std::size_t>(a)], a, -1});
-  }
-  const auto M = [&](int a, int b) -> const Polynomial& {
-    return model.M[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
-  };
-  const auto d = [&](const Polynomial& f, int by) {
-    return derivative(f, by, model.slides[static_cast<std::size_t>(by)]);
-  };
-  for (int a = 0; a < n; ++a)
-    for (int b = a; b < n; ++b) {
-      Polynomial f;
-      if (quantity.kind == Kind::kT) {
-        add(M(a, b), a == b ? 0.5 : 1, &f);
-      } else if (quantity.kind == Kind::kTau || quantity.kind == Kind::kC) {
-        // c_i = sum (dM_ia/dq_b - dM_ab/dq_i / 2) qd_a qd_b, both orders of a pair together
-        add(d(M(quantity.i, a), b), 1, &f);
-        if (a != b) add(d(M(quantity.i, b), a), 1, &f);
-        add(d(M(a, b), quantity.i), a == b ? -0.5 : -1, &f);
-      }
-      if (!f.empty()) parts.push_back({f, a, b});
-    }
-  return parts;
-}
-
-std::string EnvelopeQuantity::name() const {
-  switch (kind) {
-    case Kind::kTau:
-      return fmt::format("tau_{}", i + 1);
-    case Kind::kM:
-      return fmt::format("M_{},{}", i + 1, j + 1);
-    case Kind::kC:
-      return fmt::format("c_{}", i + 1);
-    case Kind::kG:
-      return fmt::format("g_{}", i + 1);
-    case Kind::kT:
-      return "T";
-  }
-  return "";
-}
-
-int EnvelopeOptions::quantities(int dof) const {
-  return static_cast<int>(quantitiesOf(dof, all).size());
-}
 
 double EnvelopeBound::ratio() const {
   if (sampled > 0) return certified / sampled;
   return certified > 0 ? HUGE_VAL : 1;
 }
 
-RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& quantity,
-                           const EnvelopeState& state) {
-  const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
-  recursive::Workspace<RunningError> ws(model);
-  std::vector<scene::JointPosition<RunningError>> x;
-  for (const double q : state.q) x.push_back(runningErrorPosition(q));
-  const auto numbers = [](const std::vector<double>& v) {
-    return std::vector<RunningError>(v.begin(), v.end());
-  };
-  const auto i = static_cast<std::size_t>(quantity.i);
-  std::vector<RunningError> tau(state.q.size()), zero(state.q.size());
-  switch (quantity.kind) {
-    case Kind::kTau:
-      recursive::inverseDynamics(model, x, numbers(state.qd), numbers(state.qdd), ws, tau);
-      return tau[i];
-    case Kind::kC:
-      recursive::inverseDynamics(model, x, numbers(state.qd), zero, ws, tau,
-                                 recursive::Terms::none());
-      return tau[i];
-    case Kind::kG:
-      recursive::inverseDynamics(model, x, zero, zero, ws, tau, recursive::Terms::potential());
-      return tau[i];
-    case Kind::kT:
-      return recursive::kineticEnergy(model, x, numbers(state.qd), ws);
-    case Kind::kM:
-      break;
-  }
-  recursive::MatrixX<RunningError> M(model.dof(), model.dof());
-  recursive::massMatrix(model, x, ws, M);
-  return M(quantity.i, quantity.j);
-}
-
 EnvelopeBound boundOfParts(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
                            const EnvelopeQuantity& name, const std::vector<EnvelopePart>& parts,
                            const EnvelopeOptions& options, double decide) {
-  EnvelopeBound bound = Search(model, ranges, name, parts, false, false).run(options, decide);
+  EnvelopeBound bound = Search(model, ranges, name, parts, {}).over(ranges, options, decide);
   bound.is_reached = bound.certified <= (decide < 0 ? options.ratio * bound.sampled : decide) ||
                      bound.certified <= 2 * bound.lost;
   return bound;
 }
 
-std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
-                                          const std::vector<JointRanges>& ranges,
-                                          const EnvelopeOptions& options,
-                                          const std::function<void(const std::string&)>& stage) {
-  if (ranges.empty() || static_cast<int>(ranges.size()) != scene.mechanism.dof())
-    throw scene::InputError({scene.file.string()},
-                            "no [envelope], allowed: a scene whose file gives ranges of q, qd and "
-                            "qdd for every joint (data/scenes/README.md)");
-  const std::vector<EnvelopeQuantity> quantities = quantitiesOf(scene.mechanism.dof(), options.all);
-  scene::Work work("quantities", 1 + static_cast<double>(quantities.size()));
-  stage("M and g as polynomials");
-  const TrigonometricModel model = trigonometricModel(scene);
-  work.done();
-  std::vector<EnvelopeBound> out;
-  for (const EnvelopeQuantity& quantity : quantities) {
-    stage(quantity.name());
-    EnvelopeBound bound = Search(model, ranges, quantity).run(options);
-    bound.sampled = 0;  // what the sweeps say, not the polynomials
-    if (!bound.worst.q.empty()) {
-      const RunningError swept = sweptQuantity(scene, quantity, bound.worst);
-      bound.sampled = std::max(0.0, std::abs(swept.value()) - swept.bound());
-    }
-    bound.is_reached =
-        bound.certified <= options.ratio * bound.sampled || bound.certified <= 2 * bound.lost;
-    out.push_back(bound);
-    work.done();
-  }
-  return out;
+std::unique_ptr<BoundedQuantity> boundedQuantity(const TrigonometricModel& model,
+                                                 const std::vector<JointRanges>& within,
+                                                 const EnvelopeQuantity& quantity,
+                                                 const std::vector<EnvelopePart>& parts) {
+  if (quantity.kind == Kind::kQdd) return boundedAcceleration(model, within, quantity);
+  if (quantity.kind == Kind::kReaction)
+    return std::make_unique<Search>(model, within, quantity, parts, Beside());
+  return std::make_unique<Search>(model, within, quantity);
 }
 
 }  // namespace dynwitness::crosscheck

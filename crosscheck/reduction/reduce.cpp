@@ -205,7 +205,8 @@ class Sizes {
     }
     double sum = 0;
     for (const auto& [group, squares] : groups) sum += std::sqrt(squares);
-    // each sum and product rounds less than 8 times a term
+    // roundings u: 39 of of(m) (13 joints, each a power within 2 u and a product), 8 of the other
+    // steps of one term, half a one a term below the roots and one above them: 47 + 1.5 terms
     return sum * of(part) * (1 + 64 * RunningError::kUnitRoundoff * (1.0 + part.f.size()));
   }
 
@@ -269,7 +270,7 @@ std::optional<Kept> kept(const TrigonometricModel& model, const std::vector<Join
                          const std::vector<Term>& terms, double limit) {
   double bound = 0;
   if (isWithin(model, ranges, i, parts, limit, &bound)) return Kept{0, bound};
-  // what is surely enough: their sizes add up to less
+  // where the bisection begins, what is probably enough; isWithin() decides
   double rest = 0;
   std::size_t high = terms.size();
   while (high > 0 && rest + terms[high - 1].size < 0.9 * limit) rest += terms[--high].size;

@@ -2,6 +2,7 @@
 #include "crosscheck/reduction/trigonometric.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -123,7 +124,17 @@ void onGrid(const std::vector<Axis>& axes, Visit visit) {
 
 }  // namespace
 
-TrigonometricModel trigonometricModel(const scene::Scene& scene) {
+namespace {
+
+/// Of what polynomials are made: degrees by joint, and a model that is asked.
+struct Asked {
+  recursive::Model<RunningError> model;
+  std::vector<bool> slides;
+  std::vector<Axis> of_M, of_g;
+};
+
+/// @throws scene::InputError  as trigonometricModel()
+Asked askedModel(const scene::Scene& scene) {
   requireTreated(scene, Command::kEnvelope);
   requireMotion(scene);
   const auto refuse = [&](const std::string& what, int most, const std::string& like) {
@@ -138,63 +149,145 @@ TrigonometricModel trigonometricModel(const scene::Scene& scene) {
       refuse(fmt::format("{} would be asked at {} positions", what, size), most,
              "seven joints in a chain that turn, ten side by side");
   };
-  const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
-  recursive::Workspace<RunningError> ws(model);
-  TrigonometricModel out;
-  out.dof = model.dof();
-  const auto n = static_cast<std::size_t>(out.dof);
+  Asked out{
+      recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism)), {}, {}, {}};
   const std::vector<scene::SlotKind> slots = scene.mechanism.slots();
-  std::vector<Axis> of_M, of_g;
-  for (const int i : model.link_of_dof) {
-    const auto& link = model.links[static_cast<std::size_t>(i)];
+  for (const int i : out.model.link_of_dof) {
+    const auto& link = out.model.links[static_cast<std::size_t>(i)];
     out.slides.push_back(slots[out.slides.size()] == scene::SlotKind::kLength);
-    of_M.push_back({link.parent < 0 ? 0 : 2, out.slides.back()});
-    of_g.push_back({1, out.slides.back()});
+    out.of_M.push_back({link.parent < 0 ? 0 : 2, out.slides.back()});
+    out.of_g.push_back({1, out.slides.back()});
+  }
+  requireWithin(out.of_M, kMostGridPoints, "M");
+  requireWithin(out.of_g, kMostGravityPoints, "gravity");
+  return out;
+}
+
+std::vector<std::vector<Polynomial>> massMatrix(const Asked& asked) {
+  const auto n = static_cast<std::size_t>(asked.model.dof());
+  recursive::Workspace<RunningError> ws(asked.model);
+  std::vector<Tensor> M(n * n, Tensor(sizeOf(asked.of_M)));
+  recursive::MatrixX<RunningError> entries(asked.model.dof(), asked.model.dof());
+  onGrid(asked.of_M, [&](std::size_t at, const Positions& x) {
+    recursive::massMatrix(asked.model, x, ws, entries);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i; j < n; ++j)
+        M[i * n + j][at] = entries(static_cast<int>(i), static_cast<int>(j));
+  });
+  std::vector<std::vector<Polynomial>> out(n, std::vector<Polynomial>(n));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i; j < n; ++j)
+      out[i][j] = out[j][i] = polynomialOf(std::move(M[i * n + j]), asked.of_M);
+  return out;
+}
+
+/// gravity, loads and potential.
+void addPotential(const Asked& asked, TrigonometricModel* out) {
+  const auto n = static_cast<std::size_t>(asked.model.dof());
+  recursive::Workspace<RunningError> ws(asked.model);
+  auto without_springs = asked.model;
+  for (auto& link : without_springs.links) link.stiffness = 0;
+  std::vector<Tensor> g(n, Tensor(sizeOf(asked.of_g))), loads = g;
+  Tensor potential(g.front().size());
+  const std::vector<RunningError> zero(n);
+  std::vector<RunningError> tau(n);
+  const auto ask = [&](const Positions& x, recursive::Terms terms, std::size_t at,
+                       std::vector<Tensor>* into) {
+    recursive::inverseDynamics(asked.model, x, zero, zero, ws, tau, terms);
+    for (std::size_t i = 0; i < n; ++i) (*into)[i][at] = tau[i];
+  };
+  onGrid(asked.of_g, [&](std::size_t at, const Positions& x) {
+    ask(x, {true, false, false, false}, at, &g);
+    ask(x, {false, false, true, false}, at, &loads);
+    potential[at] = recursive::potentialEnergy(without_springs, x, ws);
+  });
+  for (std::size_t i = 0; i < n; ++i) {
+    out->gravity.push_back(polynomialOf(std::move(g[i]), asked.of_g));
+    out->loads.push_back(polynomialOf(std::move(loads[i]), asked.of_g));
+  }
+  out->potential = polynomialOf(std::move(potential), asked.of_g);
+}
+
+}  // namespace
+
+TrigonometricModel trigonometricModel(const scene::Scene& scene) {
+  const Asked asked = askedModel(scene);
+  const scene::Work work("M as a polynomial", 1);
+  TrigonometricModel out;
+  out.dof = asked.model.dof();
+  out.slides = asked.slides;
+  for (const int i : asked.model.link_of_dof) {
+    const auto& link = asked.model.links[static_cast<std::size_t>(i)];
     out.stiffness.push_back(link.stiffness);
     out.rest.push_back(link.rest);
     out.viscous.push_back(link.viscous);
     out.positive.push_back(link.positive);
     out.negative.push_back(link.negative);
   }
-  requireWithin(of_M, kMostGridPoints, "M");
-  requireWithin(of_g, kMostGravityPoints, "gravity");
-  const std::size_t points = sizeOf(of_M);
-  const scene::Work work("M as a polynomial", 1);
-  std::vector<Tensor> M(n * n, Tensor(points));
-  recursive::MatrixX<RunningError> entries(out.dof, out.dof);
-  onGrid(of_M, [&](std::size_t at, const Positions& x) {
-    recursive::massMatrix(model, x, ws, entries);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i; j < n; ++j)
-        M[i * n + j][at] = entries(static_cast<int>(i), static_cast<int>(j));
-  });
-  out.M.assign(n, std::vector<Polynomial>(n));
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i; j < n; ++j)
-      out.M[i][j] = out.M[j][i] = polynomialOf(std::move(M[i * n + j]), of_M);
+  out.M = massMatrix(asked);
+  addPotential(asked, &out);
+  return out;
+}
 
-  std::vector<Tensor> g(n, Tensor(sizeOf(of_g))), loads = g;
-  const std::vector<RunningError> zero(n);
-  std::vector<RunningError> tau(n);
-  const auto ask = [&](const Positions& x, recursive::Terms terms, std::size_t at,
-                       std::vector<Tensor>* into) {
-    recursive::inverseDynamics(model, x, zero, zero, ws, tau, terms);
-    for (std::size_t i = 0; i < n; ++i) (*into)[i][at] = tau[i];
-  };
-  onGrid(of_g, [&](std::size_t at, const Positions& x) {
-    ask(x, {true, false, false, false}, at, &g);
-    ask(x, {false, false, true, false}, at, &loads);
+std::array<std::vector<EnvelopePart>, 6> reactionParts(const scene::Scene& scene, int rate) {
+  const Asked asked = askedModel(scene);
+  const int n = asked.model.dof();
+  const auto& places = asked.model.joints;
+  const auto place = std::find_if(places.begin() + 1, places.end(), [&](const auto& joint) {
+    return joint.link == asked.model.link_of_dof[static_cast<std::size_t>(rate)];
   });
-  for (std::size_t i = 0; i < n; ++i) {
-    out.gravity.push_back(polynomialOf(std::move(g[i]), of_g));
-    out.loads.push_back(polynomialOf(std::move(loads[i]), of_g));
-  }
+  recursive::Workspace<RunningError> ws(asked.model);
+  const std::vector<RunningError> zero(static_cast<std::size_t>(n));
+  std::vector<RunningError> tau = zero;
+  using Wrench = recursive::Vector6<RunningError>;
+  const auto wrench = [&](const Positions& x, const std::vector<RunningError>& qd,
+                          const std::vector<RunningError>& qdd, recursive::Terms terms) -> Wrench {
+    recursive::inverseDynamics(asked.model, x, qd, qdd, ws, tau, terms);
+    return (place->X * ws.f[static_cast<std::size_t>(place->link)]).vector();
+  };
+  const auto unit = [&](int a, int b) {
+    std::vector<RunningError> v = zero;
+    v[static_cast<std::size_t>(a)] = v[static_cast<std::size_t>(b)] = 1;
+    return v;
+  };
+  std::array<std::vector<EnvelopePart>, 6> out;
+  const auto take = [&](const std::vector<Axis>& axes, int j, int k, const auto& ask) {
+    std::vector<Tensor> values(6, Tensor(sizeOf(axes)));
+    onGrid(axes, [&](std::size_t at, const Positions& x) {
+      const Wrench w = ask(x);
+      for (std::size_t c = 0; c < 6; ++c) values[c][at] = w(static_cast<Eigen::Index>(c));
+    });
+    for (std::size_t c = 0; c < 6; ++c)
+      if (Polynomial f = polynomialOf(std::move(values[c]), axes); j < 0 || !f.empty())
+        out[c].push_back({std::move(f), j, k});
+  };
+  const scene::Work work("reaction as a polynomial", 1 + n + n * (n + 1) / 2.0);
+  const recursive::Terms none = recursive::Terms::none();
+  take(asked.of_g, -1, -1, [&](const Positions& x) {
+    return wrench(x, zero, zero, {true, false, true, false});
+  });
+  for (int a = 0; a < n; ++a)
+    take(asked.of_M, a, -1, [&](const Positions& x) { return wrench(x, zero, unit(a, a), none); });
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n; ++b)
+      take(asked.of_M, a, b, [&](const Positions& x) -> Wrench {
+        const Wrench both = wrench(x, unit(a, b), zero, none);
+        if (a == b) return both;
+        return both - wrench(x, unit(a, a), zero, none) - wrench(x, unit(b, b), zero, none);
+      });
   return out;
 }
 
 int digit(Monomial m, int k) {
   for (; k > 0; --k) m /= kBasis;
   return static_cast<int>(m % kBasis);
+}
+
+double mostOfFactor(int digit, bool slides, double reach, int order) {
+  if (!slides) return std::pow((digit + 1) / 2, order);
+  double most = order <= digit ? std::pow(reach, digit - order) : 0;
+  for (int k = 0; k < order; ++k) most *= digit - k;
+  return most;
 }
 
 Polynomial derivative(const Polynomial& f, int k, bool slides) {

@@ -3,6 +3,7 @@
 // coefficients.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -24,7 +25,7 @@ using Monomial = std::uint32_t;
 /// In a row: those of seven joints have thousands, most of them within roundings of zero.
 using Polynomial = boost::container::flat_map<Monomial, RunningError>;
 
-/** M(q), and g(q) and the loads, as polynomials in cosines and sines of the joints that turn
+/** M(q), g(q), V(q) and the loads, as polynomials in cosines and sines of the joints that turn
     and in the positions of those that slide. In the axes of its own link, a link's motion is of
     degree 1 in every joint inboard of it and knows no other; so M is of degree 2 at most, and g
     and loads of degree 1. A joint on the root changes nothing but the whole's place, and M does
@@ -36,6 +37,7 @@ struct TrigonometricModel {
   std::vector<bool> slides;                               ///< by rate
   std::vector<std::vector<Polynomial>> M;                 ///< n x n
   std::vector<Polynomial> gravity, loads;                 ///< n; springs are apart
+  Polynomial potential;                                   ///< of gravity
   std::vector<RunningError> stiffness, rest;              ///< of springs at the joints
   std::vector<RunningError> viscous, positive, negative;  ///< friction
 };
@@ -51,11 +53,26 @@ inline constexpr int kMostGravityPoints = 59049;
 ///   moves; more joints or values than these
 TrigonometricModel trigonometricModel(const scene::Scene& scene);
 
+/// A function of q, and what it is multiplied by: 1, qdd_j, or qd_j qd_k with j <= k.
+struct EnvelopePart {
+  Polynomial f;
+  int j = -1, k = -1;  ///< j alone: qdd_j; both: qd_j qd_k
+};
+
+/** The wrench that the parent exerts on a link through the joint with this rate, as
+    recursive::jointReactions() has it: force, then moment about the moved joint frame's origin, in
+    that frame, six sums of parts. In that frame it is of degree 2 at most in every joint but those
+    on the root, which tell it where gravity points and no more.
+    @throws scene::InputError  as trigonometricModel() */
+std::array<std::vector<EnvelopePart>, 6> reactionParts(const scene::Scene& scene, int rate);
+
 /// d/dq_k.
 Polynomial derivative(const Polynomial& f, int k, bool slides);
 /// a + factor b, for factors that are powers of 2.
 void add(const Polynomial& b, double factor, Polynomial* a);
 /// The factor of joint k in a monomial: 0 to 4.
 int digit(Monomial m, int k);
+/// sup |d^order/dq^order| of a joint's factor for |q| <= reach.
+double mostOfFactor(int digit, bool slides, double reach, int order);
 
 }  // namespace dynwitness::crosscheck

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/report/ledger_report.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/verdicts/causes.hpp"
 
@@ -202,6 +203,7 @@ Json toJson(const SceneResult& scene) {
   json["dof"] = scene.dof;
   json["links"] = scene.links;
   if (!scene.not_modelled.empty()) json["not_modelled"] = texts(scene.not_modelled);
+  if (scene.ledger) json["ledger"] = ledgerJson(*scene.ledger);
   json["checks"] = Json::array();
   for (const CheckResult& check : scene.checks) json["checks"].push_back(toJson(check));
   if (!scene.digits.empty()) {

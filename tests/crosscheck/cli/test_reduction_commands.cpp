@@ -79,6 +79,54 @@ BOOST_AUTO_TEST_CASE(bounds_are_those_of_the_changed_scene) {
   }
 }
 
+// By hand: tau = m (l^2 qdd + gravity l sin q), at the rows and with m 5 % more; between rows the
+// box of both.
+BOOST_AUTO_TEST_CASE(bounds_along_a_motion_and_of_heavier_links) {
+  const Program program;
+  program.write("pendulum.toml", kPendulum);
+  program.write(
+      "motion.csv",
+      "t,q1,qd1,qdd1,tau1\n0,0.1,0,1,2\n0.1,0.4,1,-1,0.5\n0.2,0.3,-1,1,1\n0.3,0.1,0,0,-3\n");
+  const auto asked = [&](const std::string& options) {
+    const Outcome outcome =
+        program.run("envelope pendulum.toml --ratio 1.001 --json bounds.json " + options);
+    BOOST_TEST_CONTEXT(outcome.out) {
+      BOOST_REQUIRE(outcome.status == 0);
+    }
+    return nlohmann::json::parse(program.read("bounds.json"));
+  };
+  const auto holds = [&](const std::string& options, double expected) {
+    const auto bound = asked(options).at("bounds").at(0);
+    BOOST_TEST(bound.at("at_most").get<double>() >= expected * (1 - 1e-15), options);
+    BOOST_TEST(bound.at("at_most").get<double>() <= 1.001 * expected, options);
+    BOOST_TEST(bound.at("at_least").get<double>() <= expected * (1 + 1e-15), options);
+  };
+  const double along = 2 * (0.25 + 9.81 * 0.5 * std::sin(0.4));  // qdd = 1 in the first box
+  holds("--along motion.csv", along);
+  holds("--along motion.csv --masses-within 5%", 1.05 * along);
+  // rows 3 and 4: tau and q differ in sign: (3 + 2 gravity l sin 0.3) / (m l^2)
+  holds("--along motion.csv --quantity qdd", (3 + 9.81 * std::sin(0.3)) / 0.5);
+  const auto all = asked("--along motion.csv --masses-within 0.05");
+  BOOST_TEST(all.at("boxes_of_motion") == 3);
+  BOOST_TEST(all.at("masses_within") == 0.05);
+  BOOST_TEST(all.at("bounds").at(0).at("heavier") == nlohmann::json({"rod"}));
+  BOOST_TEST(all.at("envelope").at(0).at("q") == nlohmann::json({0.1, 0.4}));
+
+  program.write("still.csv", "q1,qd1\n0,0\n");
+  const auto refuses = [&](const std::string& options, const std::string& reason) {
+    dynwitness::fixtures::refuses(program, "envelope pendulum.toml " + options, reason);
+  };
+  refuses("--along still.csv", "no columns of qdd, expected qdd1 to qdd1");
+  refuses("--along still.csv --quantity qdd", "no columns of tau");
+  refuses("--quantity qdd", "no tau of joint 'hinge'");
+  refuses("--along motion.csv --quantity qdd --masses-within 5%", "not linear in them");
+  refuses("--masses-within 120%", "--masses-within: got '120%'");
+  refuses("--masses-within pi", "allowed: a share from 0 to 1");
+  refuses("--along none.csv", "cannot be read");
+  program.write("empty.csv", "q1,qd1,qdd1\n");
+  refuses("--along empty.csv", "no state");
+}
+
 // Neither fits the ranges of [envelope], which are of joints that turn or slide.
 BOOST_AUTO_TEST_CASE(a_base_that_floats_is_refused) {
   const Program program;

@@ -251,7 +251,8 @@ Call callOf(Command command) {
     case Command::kSweep:
       return {"sweep scene", ""};
     case Command::kEnvelope:
-      return {"envelope scene.toml --all --json bounds.json", "bounds.json"};
+      return {"envelope scene.toml --quantity tau,M,c,g,T,V,energy,reactions --json bounds.json",
+              "bounds.json"};
     case Command::kReduce:
       return {"reduce scene.toml --tolerance 30% --json reduction.json", "reduction.json"};
     case Command::kNeed:

@@ -1,0 +1,506 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/reduction/acceleration.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <unordered_map>
+
+#include "crosscheck/reduction/boxes.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using scene::JointRanges;
+using scene::Range;
+using ErrorMatrix = Eigen::Matrix<RunningError, Eigen::Dynamic, Eigen::Dynamic>;
+using ErrorVector = Eigen::Matrix<RunningError, Eigen::Dynamic, 1>;
+
+constexpr std::size_t kMostCorners = 50000;  ///< remembered at a time: 200 MB for seven joints
+
+/// No less than the magnitude of what the number stands for.
+double most(const RunningError& x) {
+  return (std::abs(x.value()) + x.bound()) * (1 + kLost);
+}
+double norm(const ErrorMatrix& m) {
+  double squares = 0;
+  for (Index k = 0; k < m.size(); ++k) squares += std::pow(most(m.data()[k]), 2);
+  return std::sqrt(squares) * (1 + kLost);
+}
+
+/// L^-1 of M = L L'; none (no rows): M is not positive definite for all that is known of it.
+ErrorMatrix inverseFactor(const ErrorMatrix& M) {
+  const Index n = M.rows();
+  ErrorMatrix L = ErrorMatrix::Zero(n, n), inverse = L;
+  for (Index j = 0; j < n; ++j)
+    for (Index i = j; i < n; ++i) {
+      RunningError sum = M(i, j);
+      for (Index k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+      if (i == j && !(sum.value() > sum.bound())) return {};
+      L(i, j) = i == j ? sqrt(sum) : sum / L(j, j);
+    }
+  for (Index c = 0; c < n; ++c)
+    for (Index i = c; i < n; ++i) {
+      RunningError sum = i == c ? 1 : 0;
+      for (Index k = c; k < i; ++k) sum -= L(i, k) * inverse(k, c);
+      inverse(i, c) = sum / L(i, i);
+    }
+  return inverse;
+}
+
+/** Several polynomials as one table: their values, first and second derivatives at a point, and how
+    much these change between points. Columns: 1, d/dq_k of the active joints, d^2/dq_k^2. */
+class PolynomialTable {
+ public:
+  PolynomialTable(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
+                  const std::vector<Polynomial>& all)
+      : model_(model), ranges_(ranges) {
+    const auto counts = [](const RunningError& c) { return std::abs(c.value()) > c.bound(); };
+    std::map<Monomial, Index> column;
+    for (const Polynomial& f : all)
+      for (const auto& [m, c] : f)
+        if (counts(c)) column.emplace(m, 0);
+    if (column.size() > kMostMonomials / 2)
+      throw scene::InputError({}, "envelope: qdd has " + std::to_string(column.size()) +
+                                      " monomials, allowed: up to " +
+                                      std::to_string(kMostMonomials / 2));
+    for (auto& [m, at] : column) {
+      at = static_cast<Index>(digits_.size());
+      digits_.push_back(digitsOf(m));
+    }
+    for (int k = 0; k < model.dof; ++k)
+      if (model.stiffness[static_cast<std::size_t>(k)].value() != 0 ||
+          std::any_of(digits_.begin(), digits_.end(), [k](const std::vector<int>& d) {
+            return d[static_cast<std::size_t>(k)] != 0;
+          }))
+        active_.push_back(k);
+    coefficients_.setZero(static_cast<Index>(all.size()), static_cast<Index>(digits_.size()));
+    lost_.setZero(coefficients_.rows(), columns());
+    for (std::size_t f = 0; f < all.size(); ++f)
+      for (const auto& [m, c] : all[f]) {
+        const auto row = static_cast<Index>(f);
+        if (counts(c)) coefficients_(row, column.at(m)) = c.value();
+        const double unknown = c.bound() + (counts(c) ? kLost : 1) * std::abs(c.value());
+        for (Index o = 0; o < columns(); ++o) lost_(row, o) += unknown * factor(digitsOf(m), o, -1);
+      }
+    boundBeyond();
+  }
+
+  const std::vector<int>& active() const { return active_; }
+  Index columns() const { return 1 + 2 * static_cast<Index>(active_.size()); }
+
+  /// Polynomials x columns.
+  MatrixXd at(const std::vector<double>& q) const {
+    using Row = std::array<double, kBasis>;
+    const std::size_t m = active_.size();
+    std::vector<std::array<Row, 3>> f(m);  // by order of derivative
+    for (std::size_t k = 0; k < m; ++k) {
+      const double x = q[k];
+      if (slides(active_[k])) {
+        f[k] = {Row{1, x, x * x, 0, 0}, Row{0, 1, 2 * x, 0, 0}, Row{0, 0, 2, 0, 0}};
+      } else {
+        const double c = std::cos(x), s = std::sin(x), c2 = std::cos(2 * x), s2 = std::sin(2 * x);
+        f[k] = {Row{1, c, s, c2, s2}, Row{0, -s, c, -2 * s2, 2 * c2},
+                Row{0, -c, -s, -4 * c2, -4 * s2}};
+      }
+    }
+    MatrixXd products(static_cast<Index>(digits_.size()), columns());
+    for (std::size_t t = 0; t < digits_.size(); ++t)
+      for (Index o = 0; o < columns(); ++o) {
+        double product = 1;
+        for (std::size_t k = 0; k < m; ++k)
+          product *= f[k][static_cast<std::size_t>(order(o, k))]
+                      [static_cast<std::size_t>(digits_[t][static_cast<std::size_t>(active_[k])])];
+        products(static_cast<Index>(t), o) = product;
+      }
+    return coefficients_ * products;
+  }
+  /// Of at(): what it may be off, roundings and what of coefficients is not known.
+  const MatrixXd& lost() const { return lost_; }
+  /// sup |d^2/dq_l^2| of each entry of at(), all over the ranges.
+  const MatrixXd& beyond(std::size_t l) const { return beyond_[l]; }
+
+ private:
+  bool slides(int k) const { return model_.slides[static_cast<std::size_t>(k)]; }
+  std::vector<int> digitsOf(Monomial m) const {
+    std::vector<int> digits;
+    for (int k = 0; k < model_.dof; ++k) digits.push_back(digit(m, k));
+    return digits;
+  }
+  /// How often column o differentiates by active joint k.
+  int order(Index o, std::size_t k) const {
+    const auto m = static_cast<Index>(active_.size()), at = static_cast<Index>(k);
+    return o == 1 + at ? 1 : o == 1 + m + at ? 2 : 0;
+  }
+  /// The most that a monomial is, differentiated as column o says and twice by l; -1: by none.
+  double factor(const std::vector<int>& digits, Index o, int l) const {
+    double product = 1;
+    for (std::size_t k = 0; k < active_.size(); ++k) {
+      const auto joint = static_cast<std::size_t>(active_[k]);
+      product *= mostOfFactor(digits[joint], slides(active_[k]), ranges_[joint].q.most(),
+                              order(o, k) + (static_cast<int>(k) == l ? 2 : 0));
+    }
+    return product;
+  }
+
+  /// Monomials of the same harmonics are one group, at most the root of the sum of its
+  /// coefficients' squares (envelope.cpp).
+  void boundBeyond() {
+    std::map<std::vector<int>, VectorXd> groups;
+    for (std::size_t t = 0; t < digits_.size(); ++t) {
+      std::vector<int> group = digits_[t];
+      for (int k = 0; k < model_.dof; ++k)
+        if (int& d = group[static_cast<std::size_t>(k)]; !slides(k)) d = (d + 1) / 2 * 2;
+      const VectorXd squares = coefficients_.col(static_cast<Index>(t)).cwiseAbs2();
+      groups.try_emplace(group, VectorXd::Zero(squares.size())).first->second += squares;
+    }
+    const MatrixXd none = MatrixXd::Zero(coefficients_.rows(), columns());
+    beyond_.assign(active_.size(), none);
+    for (const auto& [digits, squares] : groups) {
+      const VectorXd roots = squares.cwiseSqrt() * (1 + kLost);
+      for (std::size_t l = 0; l < active_.size(); ++l)
+        for (Index o = 0; o < columns(); ++o)
+          beyond_[l].col(o) += roots * factor(digits, o, static_cast<int>(l));
+    }
+    for (MatrixXd& b : beyond_) b *= 1 + kLost;
+  }
+
+  const TrigonometricModel& model_;
+  const std::vector<JointRanges>& ranges_;
+  std::vector<std::vector<int>> digits_;
+  std::vector<int> active_;
+  MatrixXd coefficients_, lost_;
+  std::vector<MatrixXd> beyond_;
+};
+
+/// What is known at one corner in q; bounds are upwards.
+struct Corner {
+  ErrorVector row;      ///< of M^-1
+  ErrorVector answers;  ///< y_i, one a source
+  VectorXd inverse;     ///< (M^-1)_jj
+  MatrixXd norms;       ///< of sources, by column of the table
+  VectorXd relative;    ///< of M' and M'', by column of the table
+};
+
+class AccelerationSearch : public BoundedQuantity {
+ public:
+  AccelerationSearch(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
+                     const EnvelopeQuantity& quantity)
+      : model_(model),
+        ranges_(&ranges),
+        quantity_(quantity),
+        i_(quantity.i),
+        n_(model.dof),
+        table_(model, ranges, listed()) {}
+
+  EnvelopeBound over(const std::vector<JointRanges>& box, const EnvelopeOptions& options,
+                     double decide) override {
+    ranges_ = &box;
+    seen_ = lost_ = 0;
+    worst_ = {};
+    Box whole;
+    for (const int k : table_.active()) whole.q.push_back(at(k).q);
+    for (Index r = 0; r < n_; ++r) whole.qd.push_back(at(r).qd);
+    const BoxesSeen seen = bestFirst(
+        whole, options.boxes, [&](Box* box) { judge(box); },
+        [&](double bound) {
+          return decide < 0 ? bound <= options.ratio * seen_ : bound <= decide || seen_ > decide;
+        });
+    EnvelopeBound out;
+    out.quantity = quantity_;
+    out.certified = seen.bound;
+    out.boxes = seen.count;
+    out.worst = worst_;
+    out.lost = lost_;
+    return out;
+  }
+
+ private:
+  const JointRanges& at(Index k) const { return (*ranges_)[static_cast<std::size_t>(k)]; }
+  const RunningError& of(const std::vector<RunningError>& v, Index k) const {
+    return v[static_cast<std::size_t>(k)];
+  }
+  /// The largest of viscous and dry friction at a joint.
+  double mostOfFriction(Index j, const Range& qd) const {
+    return most(of(model_.viscous, j)) * qd.most() +
+           std::max(most(of(model_.positive, j)), most(of(model_.negative, j)));
+  }
+
+  /// Upper triangle of M, then the sources: g and loads, and the products of rates.
+  std::vector<Polynomial> listed() {
+    std::vector<Polynomial> all;
+    for (std::size_t a = 0; a < model_.M.size(); ++a)
+      for (std::size_t b = a; b < model_.M.size(); ++b) all.push_back(model_.M[a][b]);
+    sources_.assign(1, {-1, -1, static_cast<Index>(all.size())});
+    for (std::size_t j = 0; j < model_.M.size(); ++j) {
+      all.push_back(model_.gravity[j]);
+      add(model_.loads[j], 1, &all.back());
+    }
+    std::map<std::pair<int, int>, std::vector<Polynomial>> pairs;
+    for (int j = 0; j < model_.dof; ++j)
+      for (EnvelopePart& part : envelopeParts(model_, {EnvelopeQuantity::Kind::kC, j, 0})) {
+        if (part.k < 0) continue;
+        auto& column = pairs[{part.j, part.k}];
+        column.resize(model_.M.size());
+        column[static_cast<std::size_t>(j)] = std::move(part.f);
+      }
+    for (auto& [pair, column] : pairs) {
+      sources_.push_back({pair.first, pair.second, static_cast<Index>(all.size())});
+      for (Polynomial& f : column) all.push_back(std::move(f));
+    }
+    return all;
+  }
+  Index placeOf(Index a, Index b) const {
+    if (a > b) std::swap(a, b);
+    return a * n_ - a * (a - 1) / 2 + b - a;
+  }
+
+  const Corner& corner(const std::vector<double>& q) {
+    std::string key(q.size() * sizeof(double), '\0');
+    if (!q.empty()) std::memcpy(&key[0], q.data(), key.size());
+    if (const auto known = corners_.find(key); known != corners_.end()) return known->second;
+    if (corners_.size() >= kMostCorners) corners_.clear();
+    return corners_.emplace(key, computed(q)).first->second;
+  }
+
+  Corner computed(const std::vector<double>& q) const {
+    const MatrixXd values = table_.at(q);
+    const auto entry = [&](Index row, Index o) {
+      return RunningError(values(row, o), table_.lost()(row, o));
+    };
+    const auto matrix = [&](Index o) {
+      ErrorMatrix M(n_, n_);
+      for (Index a = 0; a < n_; ++a)
+        for (Index b = 0; b < n_; ++b) M(a, b) = entry(placeOf(a, b), o);
+      return M;
+    };
+    Corner out;
+    const ErrorMatrix L = inverseFactor(matrix(0));
+    if (L.rows() == 0) return out;
+    out.inverse.resize(n_);
+    for (Index j = 0; j < n_; ++j) out.inverse(j) = std::pow(norm(L.col(j)), 2) * (1 + kLost);
+    out.row = L.transpose() * L.col(i_);
+    const auto count = static_cast<Index>(sources_.size());
+    out.norms.resize(count, table_.columns());
+    out.answers.resize(count);
+    for (Index s = 0; s < count; ++s)
+      for (Index o = 0; o < table_.columns(); ++o) {
+        ErrorVector column(n_);
+        for (Index j = 0; j < n_; ++j)
+          column(j) = entry(sources_[static_cast<std::size_t>(s)].first + j, o);
+        if (s == 0) addSprings(q, o, &column);
+        out.norms(s, o) = norm(L * column);
+        if (o == 0) out.answers(s) = out.row.dot(column);
+      }
+    out.relative.setZero(table_.columns());
+    for (Index o = 1; o < table_.columns(); ++o)
+      out.relative(o) = norm(L * matrix(o) * L.transpose());
+    return out;
+  }
+
+  /// k (q - rest), and its derivative.
+  void addSprings(const std::vector<double>& q, Index o, ErrorVector* column) const {
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      const Index j = table_.active()[k];
+      if (o == 0)
+        (*column)(j) += of(model_.stiffness, j) * (RunningError(q[k]) - of(model_.rest, j));
+      if (o == 1 + static_cast<Index>(k)) (*column)(j) += of(model_.stiffness, j);
+    }
+  }
+
+  void judge(Box* box) {
+    const std::size_t m = table_.active().size();
+    Corner worst;  // by entry
+    worst.inverse = VectorXd::Zero(n_);
+    worst.norms = MatrixXd::Zero(static_cast<Index>(sources_.size()), table_.columns());
+    worst.relative = VectorXd::Zero(table_.columns());
+    VectorXd concave = VectorXd::Zero(n_);
+    double largest = 0, rho = 0;
+    std::vector<double> q(m);
+    for (std::size_t bits = 0; bits < std::size_t{1} << m; ++bits) {
+      bool again = false;  // an edge of no length has one end
+      for (std::size_t k = 0; k < m; ++k) {
+        const bool upper = (bits >> k & 1) != 0;
+        q[k] = upper ? box->q[k].high : box->q[k].low;
+        again = again || (upper && box->q[k].high == box->q[k].low);
+      }
+      if (again) continue;
+      const Corner& at_q = corner(q);
+      if (at_q.inverse.size() == 0) return haveNoBound(VectorXd::Ones(n_), box);
+      rho = std::max(rho, rest(at_q.inverse, *box, 0));
+      worst.inverse = worst.inverse.cwiseMax(at_q.inverse);
+      worst.norms = worst.norms.cwiseMax(at_q.norms);
+      worst.relative = worst.relative.cwiseMax(at_q.relative);
+      for (std::size_t s = 1; s < sources_.size(); ++s)
+        if (sources_[s].a == sources_[s].b)
+          concave(sources_[s].a) =
+              std::max(concave(sources_[s].a), most(at_q.answers(static_cast<Index>(s))));
+      for (const int sign : {1, -1}) largest = std::max(largest, largestAt(at_q, q, *box, sign));
+    }
+    if (!(rho * (1 + kLost) < 1)) return haveNoBound(worst.inverse, box);
+    widen(rho * (1 + kLost), *box, &worst);
+    addBetween(worst, concave, largest, box);
+  }
+
+  /// What R of column o of M is at most, relative to M: what is unknown at corners and inside, and
+  /// what each active joint adds.
+  double rest(const VectorXd& inverse, const Box& box, Index o) const {
+    double unknown = 0;
+    for (Index a = 0; a < n_; ++a)
+      for (Index b = 0; b < n_; ++b)
+        unknown += 2 * table_.lost()(placeOf(a, b), o) * std::sqrt(inverse(a) * inverse(b));
+    return unknown + shares(inverse, box, o).sum();
+  }
+  VectorXd shares(const VectorXd& inverse, const Box& box, Index o) const {
+    VectorXd out = VectorXd::Zero(static_cast<Index>(box.q.size()));
+    for (std::size_t l = 0; l < box.q.size(); ++l)
+      for (Index a = 0; a < n_; ++a)
+        for (Index b = 0; b < n_; ++b)
+          out(static_cast<Index>(l)) += 0.5 * std::pow(half(box.q[l]), 2) *
+                                        table_.beyond(l)(placeOf(a, b), o) *
+                                        std::sqrt(inverse(a) * inverse(b));
+    return out;
+  }
+
+  void haveNoBound(const VectorXd& inverse, Box* box) const {
+    box->bound = HUGE_VAL;
+    box->split = -1;
+    const VectorXd shares_of = shares(inverse, *box, 0);
+    Index most = 0;
+    if (shares_of.size() > 0 && shares_of.maxCoeff(&most) > 0) box->split = static_cast<int>(most);
+  }
+
+  /// From the corners to all between them, (3).
+  void widen(double rho, const Box& box, Corner* worst) const {
+    worst->inverse /= 1 - rho;
+    const VectorXd roots = worst->inverse.cwiseSqrt();
+    worst->relative /= 1 - rho;
+    worst->norms /= std::sqrt(1 - rho);
+    for (Index o = 0; o < table_.columns(); ++o) {
+      worst->relative(o) += rest(worst->inverse, box, o);
+      for (std::size_t s = 0; s < sources_.size(); ++s) {
+        const Index first = sources_[s].first;
+        double& norm = worst->norms(static_cast<Index>(s), o);
+        norm += 2 * table_.lost().col(o).segment(first, n_).dot(roots);
+        for (std::size_t l = 0; l < box.q.size(); ++l)
+          norm += 0.5 * std::pow(half(box.q[l]), 2) *
+                  table_.beyond(l).col(o).segment(first, n_).dot(roots);
+      }
+    }
+  }
+
+  /// The largest of sign qdd_i at a corner in q, roundings included.
+  double largestAt(const Corner& at_q, const std::vector<double>& q, const Box& box, int sign) {
+    MatrixXd form = MatrixXd::Zero(n_, n_);
+    VectorXd linear(n_);
+    double lost = at_q.answers(0).bound(), value = -sign * at_q.answers(0).value();
+    for (std::size_t s = 1; s < sources_.size(); ++s) {
+      const RunningError& y = at_q.answers(static_cast<Index>(s));
+      form(sources_[s].b, sources_[s].a) = -y.value();
+      lost += y.bound() * at(sources_[s].a).qd.most() * at(sources_[s].b).qd.most();
+    }
+    double dry = 0;
+    for (Index j = 0; j < n_; ++j) {
+      const double r = at_q.row(j).value();
+      const RunningError viscous = at_q.row(j) * of(model_.viscous, j);
+      linear(j) = -viscous.value();
+      value += std::max(sign * r * at(j).tau->low, sign * r * at(j).tau->high);
+      dry += largestDryFriction(box.qd[static_cast<std::size_t>(j)],
+                                -r * of(model_.positive, j).value(),
+                                -r * of(model_.negative, j).value(), sign);
+      lost += at_q.row(j).bound() * (at(j).tau->most() + mostOfFriction(j, at(j).qd)) +
+              std::abs(r) * (of(model_.positive, j).bound() + of(model_.negative, j).bound()) +
+              viscous.bound() * at(j).qd.most();
+    }
+    std::vector<double> qd;
+    value += largestAtRates(form, linear, box.qd, sign, &qd);
+    lost = (lost + kLost * std::abs(value)) * (1 + kLost);
+    lost_ = std::max(lost_, lost);
+    remember(at_q, q, qd, sign, value - lost);
+    return value + dry + lost;
+  }
+
+  /// @param value  without dry friction: that is put in by its sign here
+  void remember(const Corner& at_q, const std::vector<double>& q, const std::vector<double>& qd,
+                int sign, double value) {
+    for (Index j = 0; j < n_; ++j) {
+      const double rate = qd[static_cast<std::size_t>(j)];
+      const double dry = rate > 0   ? of(model_.positive, j).value()
+                         : rate < 0 ? -of(model_.negative, j).value()
+                                    : 0;
+      value -= sign * at_q.row(j).value() * dry;
+    }
+    if (!(value > seen_)) return;
+    seen_ = value;
+    worst_ = {};
+    worst_.qd = qd;
+    for (Index k = 0; k < n_; ++k) {
+      worst_.q.push_back(at(k).q.low);
+      worst_.tau.push_back(sign * at_q.row(k).value() >= 0 ? at(k).tau->high : at(k).tau->low);
+    }
+    for (std::size_t k = 0; k < q.size(); ++k)
+      worst_.q[static_cast<std::size_t>(table_.active()[k])] = q[k];
+  }
+
+  /// What lies between the corners, by variable: (2).
+  void addBetween(const Corner& worst, const VectorXd& concave, double largest, Box* box) const {
+    const auto m = static_cast<Index>(box->q.size());
+    VectorXd adds(m + n_);
+    for (Index k = 0; k < m; ++k) {
+      const double mu = worst.relative(1 + k), nu = worst.relative(1 + m + k);
+      double sum = 0;
+      for (Index j = 0; j < n_; ++j)  // the columns of tau: constant
+        sum += (at(j).tau->most() + mostOfFriction(j, box->qd[static_cast<std::size_t>(j)])) *
+               std::sqrt(worst.inverse(j)) * (2 * mu * mu + nu);
+      for (std::size_t s = 0; s < sources_.size(); ++s) {
+        const auto row = static_cast<Index>(s);
+        const double weight = s == 0 ? 1
+                                     : box->qd[static_cast<std::size_t>(sources_[s].a)].most() *
+                                           box->qd[static_cast<std::size_t>(sources_[s].b)].most();
+        sum += weight * (worst.norms(row, 1 + m + k) +
+                         2 * mu * (worst.norms(row, 1 + k) + mu * worst.norms(row, 0)) +
+                         nu * worst.norms(row, 0));
+      }
+      adds(k) = 0.5 * std::pow(half(box->q[static_cast<std::size_t>(k)]), 2) *
+                std::sqrt(worst.inverse(i_)) * sum;
+    }
+    for (Index a = 0; a < n_; ++a)
+      adds(m + a) = std::pow(half(box->qd[static_cast<std::size_t>(a)]), 2) * concave(a);
+    box->bound = (largest + adds.sum()) * (1 + kLost);
+    Index most = 0;
+    box->split = adds.maxCoeff(&most) > 0 ? static_cast<int>(most) : -1;
+  }
+
+  struct Source {
+    int a, b;     ///< of qd_a qd_b; -1: gravity, loads and springs
+    Index first;  ///< its first row in the table
+  };
+
+  const TrigonometricModel& model_;
+  const std::vector<JointRanges>* ranges_;  ///< all of them, then those of one box within
+  EnvelopeQuantity quantity_;
+  Index i_, n_;
+  std::vector<Source> sources_;
+  PolynomialTable table_;
+  std::unordered_map<std::string, Corner> corners_;
+  double seen_ = 0, lost_ = 0;
+  EnvelopeState worst_;
+};
+
+}  // namespace
+
+std::unique_ptr<BoundedQuantity> boundedAcceleration(const TrigonometricModel& model,
+                                                     const std::vector<JointRanges>& ranges,
+                                                     const EnvelopeQuantity& quantity) {
+  return std::make_unique<AccelerationSearch>(model, ranges, quantity);
+}
+
+}  // namespace dynwitness::crosscheck
