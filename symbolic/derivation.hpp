@@ -30,6 +30,7 @@ struct Step {
   /// Entries that are 0 and stand in no equation, those with the same reason together.
   std::vector<std::string> zeros = {};
   std::vector<std::string> remarks = {};  ///< said after the equations
+  bool is_beside = false;                 ///< of another road, shown beside the others
 };
 
 struct Derivation {

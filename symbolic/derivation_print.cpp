@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "symbolic/derivation.hpp"
 
 namespace dynwitness::symbolic {
@@ -37,12 +39,23 @@ std::vector<std::string> linesAfter(const Step& step) {
   return lines;
 }
 
+/// What stands before a step on a page where two roads are in two columns.
+std::string columnTag(const std::vector<Step>& steps, std::size_t k) {
+  const auto besides = [](const Step& step) { return step.is_beside; };
+  if (std::none_of(steps.begin(), steps.end(), besides)) return "";
+  if (k == 0) return "<div class=\"columns\"><div>\n";
+  if (steps[k].is_beside == steps[k - 1].is_beside) return "";
+  return steps[k].is_beside ? "</div><div>\n" : "</div></div>\n";
+}
+
 }  // namespace
 
 std::string print(const Derivation& derivation, Style style, bool checks) {
   std::string text;
   int number = 0;
   for (const Step& step : derivation.steps) {
+    if (style == Style::kMathml)
+      text += columnTag(derivation.steps, static_cast<std::size_t>(number));
     ++number;
     const std::string head = std::to_string(number) + ". " + printText(step.name, style);
     const std::string sentence = printText(step.sentence, style);

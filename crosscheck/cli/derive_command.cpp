@@ -31,7 +31,7 @@ namespace {
 
 struct DeriveArguments {
   GivenScene scene;
-  std::string output, format = "text", point, scalar = "double", parameters = "folded";
+  std::string output, format = "text", point, scalar = "double", parameters = "folded", beside;
   std::vector<std::string> quantities = {"all"}, only, substitutions, names;
   bool operations = false, proof = false, linearized = false, no_checks = false;
 
@@ -47,13 +47,14 @@ struct DeriveArguments {
     return proof                    ? "--proof"
            : linearized             ? "--linearized"
            : !only.empty()          ? "--only"
+           : !beside.empty()        ? "--beside"
            : no_checks              ? "--no-checks"
            : !substitutions.empty() ? "--substitute"
            : !names.empty()         ? "--rename"
                                     : "";
   }
   ShownDerivation shown() const {
-    return {format, quantities, only, substitutions, names, linearized, proof, !no_checks};
+    return {format, quantities, only, substitutions, names, beside, linearized, proof, !no_checks};
   }
   /// What is asked that takes the inverse of M; "": nothing.
   std::string solved() const {
@@ -328,11 +329,11 @@ Run addDerive(CLI::App* command) {
                  "The equations of motion to first order, too: up to three joints")
       ->excludes("--operations", "--quantity");
   command
-      ->add_option("--only", arguments->only,
-                   "Lines of the derivation: M12, c2, tau1 (an equation of motion), T, ..., or all "
-                   "M, c, g, p, Gamma, tau, with the lines that they are made of")
+      ->add_option(
+          "--only", arguments->only,
+          "Entries to print: lines of the derivation, M12, c2, tau1 (an equation of motion), "
+          "T, ..., or all of M, c, g, p, Gamma, tau, with the lines that they are made of")
       ->delimiter(',')
-      ->type_name("NAME,...")
       ->excludes("--operations", "--quantity");
   command
       ->add_option("--substitute", arguments->substitutions,
@@ -347,6 +348,12 @@ Run addDerive(CLI::App* command) {
       ->delimiter(',')
       ->type_name("q1=NAME,...")
       ->excludes("--operations");
+  command
+      ->add_option("--beside", arguments->beside,
+                   "The same lines once more by the recursive Newton-Euler sweep, until both meet: "
+                   "up to three joints")
+      ->check(oneOf({"newton_euler"}))
+      ->excludes("--operations", "--quantity");
   command
       ->add_flag("--no-checks", arguments->no_checks,
                  "What was checked is not printed; it is checked all the same, and what fails is "
