@@ -218,6 +218,20 @@ void closeShortOnes(const Equations& e, std::vector<Result>* results) {
   }
 }
 
+/// T as the sum of the links' shares, which stand before it, where these are short and T is not.
+void splitKinetic(std::size_t links, std::vector<Result>* results) {
+  const auto T = results->begin() + static_cast<long>(links);
+  const auto is_short = [](const Result& share) { return share.closed.has_value(); };
+  if (T->closed || !std::all_of(results->begin(), T, is_short)) {
+    results->erase(results->begin(), T);
+    return;
+  }
+  std::vector<Formula> shares;
+  for (auto share = results->begin(); share != T; ++share)
+    if (!isZero(*share->closed)) shares.push_back(Formula::ofSymbol(share->name));
+  T->closed = Formula::sum(shares);
+}
+
 /// M as a matrix of names and zeros, where that is narrow enough to be read; none: it is not.
 std::optional<StepEquation> namedMatrix(const Equations& e, const std::vector<Result>& results) {
   const int n = e.dof();
@@ -280,7 +294,11 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
             : "Lagrange's equations.",
       "power: qd' (M qdd + c + g) = d(T + V)/dt", {r.power});
 
-  std::vector<Result> results = {{"T", e.kinetic, base}, {"V", e.potential, base + 1}};
+  std::vector<Result> results;
+  for (std::size_t k = 0; k < e.links.size(); ++k)
+    results.push_back({"T_" + e.links[k], e.link_kinetic[k], base});
+  results.push_back({"T", e.kinetic, base});
+  results.push_back({"V", e.potential, base + 1});
   for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], base + 2});
   for (int i = 0; i < n; ++i)
     for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
@@ -288,6 +306,7 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
   for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
   for (int i = 0; loaded && i < n; ++i) results.push_back({numbered("Q", i), e.Q[i], base + 6});
   closeShortOnes(e, &results);
+  splitKinetic(e.links.size(), &results);
   addLines(e.graph, results, &steps);
   if (n > 1 && n <= 12)
     if (const auto matrix = namedMatrix(e, results)) steps[base + 3].equations.push_back(*matrix);

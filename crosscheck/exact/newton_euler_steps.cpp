@@ -12,6 +12,7 @@
 #include "recursive/newton_euler.hpp"
 #include "scene/error.hpp"
 #include "symbolic/closed_form.hpp"
+#include "symbolic/derivation_steps.hpp"
 #include "symbolic/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -117,11 +118,31 @@ class SweepSteps {
       std::vector<symbolic::Formula> right{symbolic::Formula::ofInput(Input::kForce, i)};
       if (!graph.isZero(e_.Q[i]))
         right.push_back(symbolic::Formula::ofSymbol("Q" + std::to_string(i + 1)));
-      step.equations.push_back({{algebra_.formula(swept), symbolic::Formula::sum(right)},
+      step.equations.push_back({{byAccelerations(swept), symbolic::Formula::sum(right)},
                                 tau_[i].node(),
                                 graph.add(graph.input(Input::kForce, i), e_.Q[i])});
     }
     return step;
+  }
+
+  /// A line in the order of an equation of motion: what stands before each qdd, then what is left
+  /// without them, then what is left at rest.
+  symbolic::Formula byAccelerations(const GiNaC::ex& line) {
+    using symbolic::Input;
+    GiNaC::exmap no_accelerations, at_rest;
+    std::vector<symbolic::Formula> terms;
+    for (int j = 0; j < e_.dof(); ++j) {
+      const GiNaC::symbol& qdd = algebra_.input(Input::kAcceleration, j);
+      no_accelerations[qdd] = at_rest[qdd] = 0;
+      at_rest[algebra_.input(Input::kVelocity, j)] = 0;
+      if (const GiNaC::ex factor = line.diff(qdd); !algebra_.isZero(factor))
+        terms.push_back(symbolic::Formula::product(
+            {algebra_.formula(factor), symbolic::Formula::ofInput(Input::kAcceleration, j)}));
+    }
+    const GiNaC::ex g = line.subs(at_rest), c = line.subs(no_accelerations) - g;
+    for (const GiNaC::ex& part : {c, g})
+      if (!algebra_.isZero(part)) terms.push_back(algebra_.formula(part));
+    return symbolic::flatSum(terms);
   }
 
   symbolic::Equations& e_;
