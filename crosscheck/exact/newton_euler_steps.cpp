@@ -30,7 +30,10 @@ class DerivationNumbers {
     return traced(number_->angle(radians));
   }
   scene::AxisTurn<Traced> axisTurn(const scene::Vector& axis) const {
-    const auto turn = number_->axisTurn(axis, ++*axes_);
+    ++*axes_;
+    if (const auto along = number_->alongCoordinate(axis); along.coordinate == 2)  // none to turn
+      return {{Traced(1), Traced(0)}, {along.reversed ? -Traced(1) : Traced(1), Traced(0)}};
+    const auto turn = number_->axisTurn(axis, *axes_);
     return {traced(turn.alpha), traced(turn.beta)};
   }
 

@@ -51,7 +51,7 @@ BOOST_AUTO_TEST_CASE(one_line_in_three_notations) {
 BOOST_AUTO_TEST_CASE(zeros_have_the_ledgers_reasons) {
   const Program program;
   const std::string scara = proven(program, "scara --only M,c,g");
-  BOOST_TEST(has(scara, "M13 = M23 = 0: a slide along the axis of a turn"), scara);
+  BOOST_TEST(has(scara, "M13 = M23 = M34 = 0: a slide along the axis of a turn"), scara);
   BOOST_TEST(has(scara, "g1 = g2 = g4 = 0: gravity is along the axis"), scara);
   BOOST_TEST(has(scara, "reasons of zeros"));
   const std::string ledger = program.run("show scara").out;
