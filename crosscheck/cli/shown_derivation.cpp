@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "crosscheck/exact/equation_zeros.hpp"
+#include "crosscheck/exact/ledger.hpp"
 #include "crosscheck/exact/newton_euler_steps.hpp"
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/report/view.hpp"
@@ -65,7 +66,6 @@ std::string latexDocument(const std::string& title, const std::string& body) {
 
 /// "M13" of the ledger's "M_1,3"
 std::string lineName(const std::string& entry) {
-  std::string name, joiner;
   const std::size_t comma = entry.find(',');
   const std::string letter = entry.substr(0, entry.find('_')),
                     first = entry.substr(letter.size() + 1, comma - letter.size() - 1);
@@ -86,8 +86,9 @@ void explainZeros(const scene::Scene& scene, symbolic::Derivation* derivation) {
                               (!step.zeros.empty() ||
                                std::any_of(step.equations.begin(), step.equations.end(), isZero)));
   if (!has_zeros) return;
-  constexpr double kChance = 1e-30;
-  const crosscheck::EquationZeros zeros = crosscheck::equationZeros(scene, 1, kChance);
+  const crosscheck::LedgerOptions options;
+  const crosscheck::EquationZeros zeros =
+      crosscheck::equationZeros(scene, options.seed, options.error_probability);
   for (symbolic::Step& step : derivation->steps) {
     if (step.quantity.empty()) continue;
     std::vector<std::string> shown = step.zeros;
