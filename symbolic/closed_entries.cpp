@@ -11,7 +11,7 @@ namespace {
 /// Terms on the way: a formula of twelve terms in sums of up to four angles (eight products each)
 /// and its velocities fits, and a hundred thousand products of two terms take a second.
 constexpr std::size_t kMostOnTheWay = 300;
-/// What a reader takes in as one formula: terms, as if multiplied out, and characters of plain text.
+/// What a reader takes in as one formula: terms as if multiplied out, characters of plain text.
 constexpr std::size_t kMostTerms = 12, kMostLetters = 400;
 
 bool dependsOnState(const Formula& f) {

@@ -378,7 +378,7 @@ bool ClosedAlgebra::isZero(const GiNaC::ex& x) {
   return reduced(polynomial(x), Role::kSin).empty();
 }
 
-// ---- several forms of one polynomial -------------------------------------------------------------
+// ---- several forms of one polynomial ------------------------------------------------------------
 
 std::vector<ClosedAlgebra::Polynomial> ClosedAlgebra::forms(const Polynomial& p) {
   const Polynomial summed = inSummedAngles(p);

@@ -15,7 +15,7 @@ from setuptools.command.build_py import build_py
 ROOT = Path(__file__).resolve().parents[2]
 # another Python than Debian's has a build of its own: CMake remembers the one that it found
 OWN = "" if Path(sys.executable).resolve() == Path("/usr/bin/python3").resolve() else "-%d.%d" % sys.version_info[:2]
-BUILD = Path(os.environ.get("DYNWITNESS_BUILD") or ROOT / f"build{OWN}")
+BUILD = ROOT / (os.environ.get("DYNWITNESS_BUILD") or f"build{OWN}")  # of the checkout, unless it is absolute
 SCRATCH = BUILD / "python" / "pip"
 VERSION = re.search(r"project\(dynwitness\s+VERSION\s+([\d.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
 
