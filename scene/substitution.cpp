@@ -17,10 +17,10 @@ using Replacements =
     std::map<std::string, std::string>;  ///< a name -> an expression in parentheses
 
 bool beginsName(char ch) {
-  return std::isalpha(static_cast<unsigned char>(ch)) || ch == '_';
+  return std::isalpha(static_cast<unsigned char>(ch)) != 0 || ch == '_';
 }
 bool isInName(char ch) {
-  return beginsName(ch) || std::isdigit(static_cast<unsigned char>(ch));
+  return beginsName(ch) || std::isdigit(static_cast<unsigned char>(ch)) != 0;
 }
 
 /// The text of an expression with names replaced; the e of 1e-3 is none.
@@ -34,7 +34,7 @@ std::string replacedText(const std::string& text, const Replacements& replacemen
       const auto found = replacements.find(name);
       out += found != replacements.end() ? found->second : name;
     } else {
-      if (std::isdigit(static_cast<unsigned char>(text[at])) || text[at] == '.')
+      if (std::isdigit(static_cast<unsigned char>(text[at])) != 0 || text[at] == '.')
         while (end < text.size() && (isInName(text[end]) || text[end] == '.' ||
                                      (std::string("+-").find(text[end]) != std::string::npos &&
                                       std::tolower(text[end - 1]) == 'e')))
