@@ -52,6 +52,7 @@ ClosedAlgebra::ClosedAlgebra(const Equations& equations) : equations_(equations)
       shown = Formula::power(formula(expression(graph.left(n))), -1);
     }
     symbol_of_.emplace(s, addSymbol({Role::kNumber, shown, {}}));
+    number_symbols_[i] = symbol_of_.at(s);
     expressions_[i] = s;
     if (graph.op(n) == Op::kAtom) {
       const std::string& name = graph.atom(n).name;
@@ -230,7 +231,11 @@ ClosedAlgebra::Polynomial ClosedAlgebra::polynomial(const GiNaC::ex& x) {
   else
     addTerm(expanded, &result);
 
-  // fixed angles are on the circle too
+  return onFixedCircles(std::move(result));
+}
+
+/// Fixed angles are on the circle too.
+ClosedAlgebra::Polynomial ClosedAlgebra::onFixedCircles(Polynomial result) const {
   for (const auto& [cosine, sine] : fixed_angles_) {
     Polynomial next;
     for (const auto& [monomial, coefficient] : result) {
@@ -373,158 +378,12 @@ bool ClosedAlgebra::isZero(const GiNaC::ex& x) {
   return reduced(polynomial(x), Role::kSin).empty();
 }
 
-// ---- from polynomials to formulas ---------------------------------------------------------------
-
-/// Writes a polynomial as sums of products, common factors outside.
-class ClosedAlgebra::Writer {
- public:
-  explicit Writer(const std::vector<Symbol>& symbols) : symbols_(symbols) {}
-
-  /// Terms with the same cosines and sines together, or first those with the same rates.
-  Formula write(const Polynomial& p, bool rates_outside) const {
-    const auto isTrig = [](Role r) { return r == Role::kCos || r == Role::kSin; };
-    std::vector<Formula> terms;
-    if (rates_outside) {
-      for (const auto& [rates, inner] : grouped(p, [](Role r) { return r == Role::kRate; }))
-        terms.push_back(join(write(inner, false), factors(rates)));
-    } else {
-      for (const auto& [trig, inner] : grouped(p, isTrig))
-        terms.push_back(join(writeRates(inner), factors(trig)));
-    }
-    return Formula::sum(flattened(terms));
-  }
-
- private:
-  /// A polynomial by the part of its monomials whose symbols have a role.
-  template <typename Predicate>
-  std::map<Monomial, Polynomial, DisplayOrder> grouped(const Polynomial& p,
-                                                       Predicate wanted) const {
-    std::map<Monomial, Polynomial, DisplayOrder> groups;
-    for (const auto& [monomial, r] : p) {
-      Monomial key, rest;
-      for (const auto& factor : monomial)
-        (wanted(symbols_[factor.first].role) ? key : rest).push_back(factor);
-      groups[key][rest] += r;
-    }
-    return groups;
-  }
-
-  std::vector<Formula> factors(const Monomial& m) const {
-    std::vector<Formula> result;
-    for (const auto& [symbol, exponent] : m)
-      result.push_back(Formula::power(symbols_[symbol].shown, exponent));
-    return result;
-  }
-
-  /// What stands in front, times more factors, the sign outside.
-  static Formula join(Formula front, const std::vector<Formula>& more) {
-    std::vector<Formula> all{std::move(front)};
-    all.insert(all.end(), more.begin(), more.end());
-    return Formula::product(all);
-  }
-
-  static std::vector<Formula> flattened(const std::vector<Formula>& terms) {
-    std::vector<Formula> result;
-    for (const Formula& term : terms) {
-      if (term.kind == Formula::Kind::kSum)
-        result.insert(result.end(), term.operands.begin(), term.operands.end());
-      else
-        result.push_back(term);
-    }
-    return result;
-  }
-
-  /// No cosines and sines any more: rates with polynomials in the numbers as coefficients. When
-  /// these are multiples of one polynomial, it is written once.
-  Formula writeRates(const Polynomial& p) const {
-    const auto groups = grouped(p, [](Role r) { return r == Role::kRate; });
-    const Polynomial& first = groups.begin()->second;
-    Polynomial multiples;
-    for (const auto& [rates, numbers] : groups) {
-      const Rational ratio = numbers.begin()->second / first.begin()->second;
-      if (!isMultiple(numbers, first, ratio)) {
-        std::vector<Formula> terms;
-        for (const auto& [r, n] : groups) terms.push_back(join(writeSum(n), factors(r)));
-        return Formula::sum(flattened(terms));
-      }
-      multiples[rates] = ratio;
-    }
-    // whole numbers among the rates: qd2 (2 qd1 + qd2)
-    scene::Integer divisor = 0, multiple = 1;
-    for (const auto& [rates, ratio] : multiples) {
-      divisor = gcd(divisor, abs(numerator(ratio)));
-      multiple = lcm(multiple, denominator(ratio));
-    }
-    const Rational content(divisor, multiple);
-    for (auto& entry : multiples) entry.second /= content;
-    Polynomial coefficient = first;
-    for (auto& entry : coefficient) entry.second *= content;
-    return join(writeSum(coefficient), {writeSum(multiples)});
-  }
-
-  static bool isMultiple(const Polynomial& a, const Polynomial& b, const Rational& ratio) {
-    if (a.size() != b.size()) return false;
-    for (const auto& [m, r] : b) {
-      const auto it = a.find(m);
-      if (it == a.end() || it->second != ratio * r) return false;
-    }
-    return true;
-  }
-
-  /// A plain sum with its common monomial, a common size of coefficients and sign in front.
-  Formula writeSum(const Polynomial& p) const {
-    Monomial common = p.begin()->first;
-    bool same_size = true, all_negative = true;
-    const Rational size = abs(p.begin()->second);
-    for (const auto& [m, r] : p) {
-      Monomial shared;
-      for (const auto& [symbol, exponent] : common)
-        for (const auto& [other, other_exponent] : m)
-          if (symbol == other) shared.emplace_back(symbol, std::min(exponent, other_exponent));
-      common = shared;
-      same_size = same_size && abs(r) == size;
-      all_negative = all_negative && r < 0;
-    }
-    Rational content = same_size ? size : Rational(1);
-    if (all_negative) content = -content;
-    Monomial inverse = common;
-    for (auto& factor : inverse) factor.second = -factor.second;
-    std::vector<Formula> terms;
-    for (const auto& [m, r] : p) {
-      const Rational coefficient = r / content;
-      const Formula term = join(Formula::ofNumber(abs(coefficient)), factors(product(m, inverse)));
-      terms.push_back(coefficient < 0 ? Formula::negate(term) : term);
-    }
-    std::vector<Formula> all{Formula::ofNumber(content)};
-    for (const Formula& factor : factors(common)) all.push_back(factor);
-    all.push_back(Formula::sum(terms));
-    return Formula::product(all);
-  }
-
-  const std::vector<Symbol>& symbols_;
-};
+// ---- several forms of one polynomial ------------------------------------------------------------
 
 std::vector<ClosedAlgebra::Polynomial> ClosedAlgebra::forms(const Polynomial& p) {
   const Polynomial summed = inSummedAngles(p);
   return {reduced(p, Role::kSin), reduced(p, Role::kCos), reduced(summed, Role::kSin),
           reduced(summed, Role::kCos), inMultipleAngles(p)};
-}
-
-Formula ClosedAlgebra::formula(const GiNaC::ex& x) {
-  const Polynomial p = polynomial(x);
-  if (reduced(p, Role::kSin).empty()) return Formula::ofNumber(0);
-  std::optional<Formula> best;
-  std::size_t best_length = 0;
-  for (const Polynomial& form : forms(p)) {
-    for (bool rates_outside : {false, true}) {
-      const Formula f = Writer(symbols_).write(form, rates_outside);
-      const std::size_t length = print(f, Style::kText).size();
-      if (best && length >= best_length) continue;
-      best = f;
-      best_length = length;
-    }
-  }
-  return *best;
 }
 
 std::vector<ClosedAlgebra::TermGap> ClosedAlgebra::termGaps(const GiNaC::ex& derived,

@@ -18,7 +18,8 @@
 
 namespace dynwitness::symbolic {
 
-/// Closed forms grow about fourteen-fold with each joint; beyond this many nobody can read them.
+/// Closed forms grow about fourteen-fold with each joint; beyond this many those that are short are
+/// shown, entry by entry, and the others as lines of a program.
 constexpr int kClosedFormJoints = 3;
 
 /** The nodes of a graph as polynomials of GiNaC in parameters, rates, and c_k and s_k. */
@@ -42,6 +43,11 @@ class ClosedAlgebra {
       sum of cosines and sines of multiple angles. The choice and the order of terms depend on x
       alone. */
   Formula formula(const GiNaC::ex& x);
+
+  /** formula() of a node, multiplied out without GiNaC and given up where that grows: whatever the
+      number of joints, what is short is found in a time that its graph decides.
+      @return none: on the way, or at last, it has too many terms (see closed_entries.cpp) */
+  std::optional<Formula> shortFormula(Node node);
 
   /// One term of two expanded forms that is not the same in both; 0 where it does not occur.
   struct TermGap {
@@ -72,17 +78,28 @@ class ClosedAlgebra {
   int addSymbol(const Symbol& symbol);
   std::pair<int, int> trigOf(const Angle& angle);  ///< symbols of its cosine and sine
   Polynomial polynomial(const GiNaC::ex& x);
+  Polynomial onFixedCircles(Polynomial p) const;
+  /// The normal form of a node; null: it has too many terms.
+  const Polynomial* multipliedOut(Node node);
+  std::optional<Polynomial> multipliedOutAnew(Node node);  ///< its operands are known
+  const Polynomial* known(Node node) const;
+  std::optional<Polynomial> boundedProduct(const Polynomial& a, const Polynomial& b);
   Polynomial reduced(const Polynomial& p, Role power_kept) const;
   Polynomial inSummedAngles(const Polynomial& p);
   Polynomial inMultipleAngles(const Polynomial& p);
   /// The forms that formula() chooses from.
   std::vector<Polynomial> forms(const Polynomial& p);
+  /// The shortest of them as it is written; p is not 0.
+  Formula shortest(const Polynomial& p);
   static Polynomial product(const Polynomial& a, const Polynomial& b);
   static Monomial product(const Monomial& a, const Monomial& b);
   static void accumulate(const Polynomial& terms, Polynomial* total);
 
   const Equations& equations_;
-  std::map<int, GiNaC::ex> expressions_;  ///< of nodes
+  std::map<int, GiNaC::ex> expressions_;                     ///< of nodes
+  std::map<int, int> number_symbols_;                        ///< of atoms and inverses, by node
+  std::map<int, std::optional<Polynomial>> multiplied_out_;  ///< of nodes
+  long products_left_ = 2000000;                             ///< of two terms: a few seconds
   std::map<std::pair<Input, int>, GiNaC::symbol> inputs_;
   std::map<GiNaC::ex, int, GiNaC::ex_is_less> symbol_of_;
   std::vector<Symbol> symbols_;

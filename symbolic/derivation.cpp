@@ -2,92 +2,23 @@
 #include "symbolic/derivation.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <set>
 #include <stdexcept>
 
 #include "scene/mimic.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
-#include "symbolic/exact_points.hpp"
+#include "symbolic/derivation_steps.hpp"
 #include "symbolic/link_motions.hpp"
-#include "symbolic/print.hpp"
 #include "symbolic/quasi_velocities.hpp"
 
 namespace dynwitness::symbolic {
 
 namespace {
 
-std::string numbered(const std::string& letter, int i) {
-  return letter + std::to_string(i + 1);
-}
-std::string numbered(const std::string& letter, int i, int j) {
-  const bool wide = i > 8 || j > 8;
-  return letter + std::to_string(i + 1) + (wide ? "_" : "") + std::to_string(j + 1);
-}
-std::string christoffelName(int i, int j, int k) {
-  return numbered("Gamma", i, j) + std::to_string(k + 1);
-}
-
-/// M qdd + c + g = tau (+ Q), row i.
-StepEquation equationOfMotion(Equations& e, int i) {
-  Graph& graph = e.graph;
-  Node left_value = graph.add(e.c[i], e.g[i]);
-  std::vector<Formula> left;
-  for (int j = 0; j < e.dof(); ++j) {
-    if (graph.isZero(e.M[i][j])) continue;
-    left.push_back(
-        Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
-                          Formula::ofInput(Input::kAcceleration, j)}));
-    left_value =
-        graph.add(left_value, graph.multiply(e.M[i][j], graph.input(Input::kAcceleration, j)));
-  }
-  if (!e.graph.isZero(e.c[i])) left.push_back(Formula::ofSymbol(numbered("c", i)));
-  if (!e.graph.isZero(e.g[i])) left.push_back(Formula::ofSymbol(numbered("g", i)));
-  std::vector<Formula> right{Formula::ofInput(Input::kForce, i)};
-  if (!e.graph.isZero(e.Q[i])) right.push_back(Formula::ofSymbol(numbered("Q", i)));
-  return {{Formula::sum(left), Formula::sum(right)},
-          left_value,
-          graph.add(graph.input(Input::kForce, i), e.Q[i])};
-}
-
-bool anyOf(const Graph& graph, const std::vector<Node>& nodes) {
-  return std::any_of(nodes.begin(), nodes.end(), [&](Node node) { return !graph.isZero(node); });
-}
-bool isLoaded(const Equations& e) {
-  return anyOf(e.graph, e.Q);
-}
-const char* loadsSentence(const Equations& e) {
-  return anyOf(e.graph, e.friction)
-             ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
-               "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|."
-             : "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.";
-}
-constexpr const char* kLoadsCheck = "without -dR/dqd_i depends on the position alone";
-
 // ---- closed forms -------------------------------------------------------------------------------
 
-/// Longer rows keep the names of what stands in them [characters of plain text].
-constexpr std::size_t kLongestRow = 400, kWidestMatrix = 120;
-
-std::size_t length(const Formula& f) {
-  return print(f, Style::kText).size();
-}
-
-/// A sum, the terms of its terms written one after the other.
-Formula flatSum(const std::vector<Formula>& terms) {
-  std::vector<Formula> flat;
-  for (const Formula& term : terms) {
-    if (term.kind == Formula::Kind::kSum)
-      flat.insert(flat.end(), term.operands.begin(), term.operands.end());
-    else
-      flat.push_back(term);
-  }
-  return Formula::sum(flat);
-}
-
-bool isZero(const Formula& f) {
-  return f.kind == Formula::Kind::kNumber && f.number == 0;
+std::string christoffelName(int i, int j, int k) {
+  return numbered("Gamma", i, j) + std::to_string(k + 1);
 }
 
 /// The steps of Lagrange's way in closed form, each checked by another road where it stands.
@@ -353,19 +284,10 @@ void ClosedSteps::equationsOfMotion() {
   if (isLoaded(e_)) step.sentence += " Loads Q stand beside tau.";
   for (int i = 0; i < n_; ++i) {
     Ex row = f_.c[i] + f_.g[i];
-    std::vector<Formula> terms;
-    for (int j = 0; j < n_; ++j) {
-      row += f_.M[i][j] * algebra_.input(Input::kAcceleration, j);
-      if (!isZero(f_.M[i][j]))
-        terms.push_back(Formula::product(
-            {algebra_.formula(f_.M[i][j]), Formula::ofInput(Input::kAcceleration, j)}));
-    }
-    for (const Ex& x : {f_.c[i], f_.g[i]})
-      if (!isZero(x)) terms.push_back(algebra_.formula(x));
-    StepEquation equation = equationOfMotion(e_, i);
-    if (const Formula written_out = flatSum(terms); length(written_out) <= kLongestRow)
-      equation.left = written_out;
-    step.equations.push_back(equation);
+    for (int j = 0; j < n_; ++j) row += f_.M[i][j] * algebra_.input(Input::kAcceleration, j);
+    step.equations.push_back(equationOfMotion(e_, i, [this](const std::string&, Node node) {
+      return algebra_.formula(algebra_.expression(node));
+    }));
     const Ex lagrange = algebra_.rate(f_.p[i]) - byPosition(f_.kinetic - f_.potential, i);
     step.holds = step.holds && isZero(row - lagrange);
   }
@@ -416,241 +338,6 @@ void ClosedSteps::linearizedEquations() {
   steps.push_back(rest);
 }
 
-// ---- straight-line programs ---------------------------------------------------------------------
-
-/// Are these nodes 0 at random rational points?
-bool vanish(const Equations& e, const std::vector<Node>& nodes, const scene::Mechanism& mechanism,
-            int points) {
-  const Program program = compile(e.graph, nodes);
-  for (int seed = 1; seed <= points; ++seed) {
-    ProgramRun<Rational> run(program, ExactNumbers(mechanism, seed));
-    for (const Rational& residual : run(exactState(e.dof(), seed, e.positions)))
-      if (residual != 0) return false;
-  }
-  return true;
-}
-
-/** Which rates are no derivatives, and what they do instead: one step a joint. Checked is what (3')
-    of equations.hpp rests on, that directions commute up to the constants b_ijk, for every entry of
-    R and every coordinate of p. */
-std::vector<Step> quasiSteps(Equations& e, int points,
-                             const std::function<bool(const std::vector<Node>&)>& check) {
-  Graph& graph = e.graph;
-  std::vector<Step> steps;
-  for (const QuasiJoint& joint : e.quasi) {
-    const int rates = joint.floats ? 6 : 3;
-    const auto range = [](const std::string& letter, int first, int count) {
-      return numbered(letter, first) + " to " + numbered(letter, first + count - 1);
-    };
-    const std::string R = "R" + std::to_string(joint.slot + 1);
-    std::string sentence =
-        R + "_ij are the entries of the rotation of the quaternion (w, x, y, z) = " +
-        range("q", joint.slot, 4) + ", from axes of the link to axes of the joint; ";
-    if (joint.floats)
-      sentence += range("q", joint.slot - 3, 3) + " are the position p of the link's origin, and " +
-                  range("qd", joint.rate, 3) + " its velocity v in axes of the link: dp/dt = " + R +
-                  " v; ";
-    sentence +=
-        range("qd", joint.rate + rates - 3, 3) +
-        " are the angular velocity w in axes of the link: d" + R + "/dt = " + R +
-        " [w]x. No position has them as its derivative (quasi-velocities); X_i f is df/dt when "
-        "qd_i alone is 1. X_i X_j f - X_j X_i f = sum of b_ijk X_k f, where turns give "
-        "[X_wx, X_wy] = X_wz";
-    if (joint.floats) sentence += ", [X_wx, X_vy] = X_vz";
-    sentence +=
-        " and so on in a circle, so that c has the term sum of b_ijk qd_j p_k: Euler's w x p.";
-
-    // every coordinate f of the joint's position, and all pairs of directions
-    std::vector<Node> coordinates, residuals;
-    for (int k = 0; k < 9; ++k)
-      coordinates.push_back(graph.input(Input::kRotation, 9 * joint.slot + k));
-    if (joint.floats)
-      for (int k = 0; k < 3; ++k)
-        coordinates.push_back(graph.input(Input::kPosition, joint.slot - 3 + k));
-    std::vector<std::vector<Node>> X_f(rates);  // X_i of every coordinate
-    for (int i = 0; i < rates; ++i)
-      X_f[i] = graph.directionalDerivative(coordinates, e.directions[joint.rate + i]);
-    for (std::size_t f = 0; f < coordinates.size(); ++f) {
-      std::vector<Node> slope(e.dof());
-      for (int i = 0; i < rates; ++i) slope[joint.rate + i] = X_f[i][f];
-      const std::vector<Node> b_X = structureTerms(e, slope);  // sum of b_ijk qd_j X_k f
-      for (int i = 0; i < rates; ++i) {
-        Node commutator;
-        for (int j = 0; j < rates; ++j) {
-          const Node forth =
-              graph.directionalDerivative({X_f[j][f]}, e.directions[joint.rate + i])[0];
-          const Node back =
-              graph.directionalDerivative({X_f[i][f]}, e.directions[joint.rate + j])[0];
-          commutator =
-              graph.add(commutator, graph.multiply(graph.input(Input::kVelocity, joint.rate + j),
-                                                   graph.subtract(forth, back)));
-        }
-        residuals.push_back(graph.subtract(commutator, b_X[joint.rate + i]));
-      }
-    }
-    steps.push_back(
-        {"quasi-velocities of " + joint.joint,
-         sentence,
-         {},
-         "sum of (X_i X_j f - X_j X_i f) qd_j = sum of b_ijk qd_j X_k f for all coordinates f "
-         "at " +
-             std::to_string(points) + " random rational points",
-         check(residuals)});
-  }
-  return steps;
-}
-
-/// What a program's steps are checked by: all are 0.
-struct Residuals {
-  Node kinetic;                                ///< T by M, less T
-  std::vector<Node> momentum, force, gravity;  ///< p and c once more, from M; g from the links' V
-  Node power;                                  ///< qd' (M qdd + c + g), less d(T + V)/dt
-};
-
-Residuals residualsOf(Equations& e) {
-  const int n = e.dof();
-  Graph& graph = e.graph;
-  const auto velocity = [&](int i) { return graph.input(Input::kVelocity, i); };
-  Residuals r;
-  std::vector<Node> p_of_M;
-  Node T_of_M, V_of_links;
-  for (const Node& share : e.link_potential) V_of_links = graph.add(V_of_links, share);
-  for (int i = 0; i < n; ++i) {
-    Node p;
-    for (int j = 0; j < n; ++j) p = graph.add(p, graph.multiply(e.M[i][j], velocity(j)));
-    p_of_M.push_back(p);
-    r.momentum.push_back(graph.subtract(p, e.p[i]));
-    T_of_M = graph.add(T_of_M, graph.multiply(p, velocity(i)));
-  }
-  T_of_M = graph.multiply(graph.constant(Rational(1, 2)), T_of_M);
-  r.kinetic = graph.subtract(T_of_M, e.kinetic);
-  const std::vector<Node> p_rate = graph.directionalDerivative(p_of_M, motion(e));
-  const std::vector<Node> T_slope = positionGradient(e, T_of_M);
-  const std::vector<Node> V_slope = positionGradient(e, V_of_links);
-  const std::vector<Node> structure = hamelTerms(e, p_of_M);
-  for (int i = 0; i < n; ++i) {
-    const Node c = graph.add(graph.subtract(p_rate[i], T_slope[i]), structure[i]);
-    r.force.push_back(graph.subtract(c, e.c[i]));
-    r.gravity.push_back(graph.subtract(V_slope[i], e.g[i]));
-  }
-  Node power;  // of tau = M qdd + c + g
-  for (int i = 0; i < n; ++i) {
-    Node tau = graph.add(e.c[i], e.g[i]);
-    for (int j = 0; j < n; ++j)
-      tau = graph.add(tau, graph.multiply(e.M[i][j], graph.input(Input::kAcceleration, j)));
-    power = graph.add(power, graph.multiply(tau, velocity(i)));
-  }
-  const Node energy_rate =
-      graph.directionalDerivative({graph.add(e.kinetic, e.potential)}, motion(e, true))[0];
-  r.power = graph.subtract(power, energy_rate);
-  return r;
-}
-
-/// How Q without friction changes with the rates, in a direction of any numbers: not at all.
-std::vector<Node> rateSlopes(Equations& e) {
-  std::vector<Node> wrenches;
-  Direction any;
-  for (int i = 0; i < e.dof(); ++i) {
-    wrenches.push_back(e.graph.add(e.Q[i], e.friction[i]));
-    any.push_back({{Input::kVelocity, i}, e.graph.input(Input::kAcceleration, i)});
-  }
-  return e.graph.directionalDerivative(wrenches, any);
-}
-
-/// A result of the program, and the step that it belongs to.
-struct Result {
-  std::string name;
-  Node node;
-  std::size_t step;
-};
-
-/// The program's lines as equations, each under the first step that needs it, and after them what
-/// the step is about.
-void addLines(const Graph& graph, const std::vector<Result>& results, std::vector<Step>* steps) {
-  std::vector<Node> nodes;
-  for (const Result& r : results) nodes.push_back(r.node);
-  const Program program = compile(graph, nodes);
-  const std::vector<Statement> lines = statements(program, Style::kText);
-  std::map<int, std::size_t> line_of;
-  for (std::size_t i = 0; i < lines.size(); ++i) line_of[lines[i].slot] = i;
-  std::vector<std::size_t> step_of(lines.size(), steps->size());
-  for (std::size_t r = 0; r < results.size(); ++r) {
-    std::vector<int> open{program.outputs[r]};
-    while (!open.empty()) {
-      const auto it = line_of.find(open.back());
-      open.pop_back();
-      if (it == line_of.end() || step_of[it->second] <= results[r].step) continue;
-      step_of[it->second] = results[r].step;
-      open.insert(open.end(), lines[it->second].reads.begin(), lines[it->second].reads.end());
-    }
-  }
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (step_of[i] < steps->size())
-      (*steps)[step_of[i]].equations.push_back(
-          {{Formula::ofSymbol(lines[i].name), lines[i].value}, {}, {}});
-  for (std::size_t r = 0; r < results.size(); ++r) {
-    if (graph.isZero(results[r].node)) continue;
-    const auto it = line_of.find(program.outputs[r]);
-    const Formula value = it != line_of.end() ? Formula::ofSymbol(lines[it->second].name)
-                                              : leafFormula(program, program.outputs[r]);
-    (*steps)[results[r].step].equations.push_back(
-        {{Formula::ofSymbol(results[r].name), value}, {}, results[r].node});
-  }
-}
-
-std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
-  const int n = e.dof();
-  const std::string at = " at " + std::to_string(points) + " random rational points";
-  const bool loaded = isLoaded(e);
-  scene::Work work("checks of the steps at rational points", loaded ? 8 : 7, 3);
-  const auto check = [&](const std::vector<Node>& residuals) {
-    const bool holds = vanish(e, residuals, mechanism, points);
-    work.done();
-    return holds;
-  };
-  const Residuals r = residualsOf(e);
-  const bool quasi = !e.quasi.empty();
-  std::vector<Step> steps = quasiSteps(e, points, check);
-  const std::size_t base = steps.size();
-  const auto add = [&](const char* name, const char* sentence, const std::string& what,
-                       const std::vector<Node>& residuals) {
-    steps.push_back({name, sentence, {}, what + at, check(residuals)});
-  };
-  add("kinetic energy T",
-      "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
-      "them half of mass times velocity squared.",
-      "T = qd' M qd / 2", {r.kinetic});
-  add("potential energy V", "Minus gravity times the first moment of mass, and the springs.",
-      "dV/dq is that of the links' shares", r.gravity);
-  add("momentum p", "p_i = dT/dqd_i.", "p = M qd", r.momentum);
-  add("mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
-      "M qd is the momentum of T as a sum over links", r.momentum);
-  add("Coriolis and centrifugal forces c",
-      quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
-            : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
-      quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
-            : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq",
-      r.force);
-  add("gravity and springs g", quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
-      "equals the derivative of the links' shares", r.gravity);
-  if (loaded) add("loads Q", loadsSentence(e), kLoadsCheck, rateSlopes(e));
-  add("equations of motion",
-      quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
-            : "Lagrange's equations.",
-      "power: qd' (M qdd + c + g) = d(T + V)/dt", {r.power});
-
-  std::vector<Result> results = {{"T", e.kinetic, base}, {"V", e.potential, base + 1}};
-  for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], base + 2});
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], base + 4});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("Q", i), e.Q[i], base + 6});
-  addLines(e.graph, results, &steps);
-  for (int i = 0; i < n; ++i) steps.back().equations.push_back(equationOfMotion(e, i));
-  return steps;
-}
-
 /// Which positions are no unknowns; empty without followers.
 std::string followersSentence(const scene::Mechanism& mechanism) {
   std::string text;
@@ -670,6 +357,16 @@ std::string followersSentence(const scene::Mechanism& mechanism) {
 
 bool Derivation::holds() const {
   return std::all_of(steps.begin(), steps.end(), [](const Step& s) { return s.holds; });
+}
+
+Formula Derivation::input(Input input, int joint) const {
+  Formula f = Formula::ofInput(input, joint);
+  const std::vector<std::string>& names =
+      input == Input::kPosition || input == Input::kCos || input == Input::kSin ? positions : rates;
+  if (input != Input::kForce && input != Input::kRotation &&
+      static_cast<std::size_t>(joint) < names.size())
+    f.symbol = names[static_cast<std::size_t>(joint)];
+  return f;
 }
 
 bool hasClosedForm(const scene::Mechanism& mechanism) {
@@ -693,61 +390,6 @@ Derivation derivation(const scene::Mechanism& mechanism, bool linearized, int po
                                     : programSteps(equations, mechanism, points);
   if (!result.steps.empty()) result.steps.front().sentence += followersSentence(mechanism);
   return result;
-}
-
-std::string printText(const std::string& text, Style style) {
-  std::string out;
-  for (char ch : text) {
-    if (style == Style::kMathml && ch == '<') {
-      out += "&lt;";
-    } else if (style == Style::kMathml && ch == '>') {
-      out += "&gt;";
-    } else if (style == Style::kMathml && ch == '&') {
-      out += "&amp;";
-    } else if (style == Style::kLatex && std::string("_%$#&{}").find(ch) != std::string::npos) {
-      out += std::string("\\") + ch;
-    } else if (style == Style::kLatex && (ch == '^' || ch == '~' || ch == '\\')) {
-      out += ch == '\\' ? "\\textbackslash{}" : std::string("\\") + ch + "{}";
-    } else {
-      out += ch;
-    }
-  }
-  return out;
-}
-
-std::string print(const Derivation& derivation, Style style) {
-  std::string text;
-  int number = 0;
-  for (const Step& step : derivation.steps) {
-    ++number;
-    const std::string head = std::to_string(number) + ". " + printText(step.name, style);
-    const std::string sentence = printText(step.sentence, style);
-    const std::string verdict =
-        printText(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
-    switch (style) {
-      case Style::kLatex:
-        text += "\\paragraph{" + head + "} " + sentence + "\n\n";
-        for (const Equation& e : step.equations)
-          text += "\\hangpara $\\displaystyle " + print(e, style) + "$\n\n";
-        text += "{\\small Check: " + verdict + ".}\n\n";
-        break;
-      case Style::kMathml:
-        text += "<details class=\"step\" open=\"open\"><summary>" + head + "</summary>\n<p>" +
-                sentence + "</p>\n";
-        for (const Equation& e : step.equations)
-          text += "<div class=\"equation\" data-latex=\"" +
-                  printText(print(e, Style::kLatex), style) + "\">" + print(e, style) + "</div>\n";
-        text += "<details class=\"" + std::string(step.holds ? "holds" : "fails") + "\"><summary>" +
-                (step.holds ? "Checked exactly" : "DOES NOT HOLD") + "</summary><p>" + verdict +
-                "</p></details></details>\n";
-        break;
-      default:
-        text += head + "\n   " + sentence + "\n";
-        for (const Equation& e : step.equations) text += "     " + print(e, Style::kText) + "\n";
-        text += "   check: " + verdict + "\n\n";
-    }
-  }
-  return text;
 }
 
 std::vector<ShownEquation> shortClosedForm(const scene::Mechanism& mechanism, std::size_t limit) {

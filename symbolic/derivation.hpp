@@ -27,16 +27,24 @@ struct Step {
   std::string check;          ///< what was checked, exactly
   bool holds = false;         ///< its outcome in this run
   std::string quantity = {};  ///< "M", "c" or "g", where it leads to one of these
+  /// Entries that are 0 and stand in no equation, those with the same reason together.
+  std::vector<std::string> zeros = {};
+  std::vector<std::string> remarks = {};  ///< said after the equations
+  bool is_beside = false;                 ///< of another road, shown beside the others
 };
 
 struct Derivation {
   std::vector<std::string> joints;
-  bool closed_form = false;  ///< otherwise equations are lines of a straight-line program
+  bool closed_form = false;  ///< all of it; otherwise what is long is a straight-line program
   std::vector<Step> steps;
   scene::Mechanism mechanism;
   std::shared_ptr<const Equations> equations;  ///< what the steps are of
+  std::vector<std::string> positions = {};     ///< what each q_k is called; empty: q1, q2, ...
+  std::vector<std::string> rates = {};         ///< the position that each qd_k is the rate of
 
   bool holds() const;
+  /// A component of the state as it is called here.
+  Formula input(Input input, int joint) const;
 };
 
 /// Whether derivation() of this mechanism lists closed forms, a step an equation.
@@ -45,7 +53,8 @@ bool hasClosedForm(const scene::Mechanism& mechanism);
 /** Derives M, c and g of a mechanism step by step. Up to kClosedFormJoints joints the steps are
     closed forms, derived by GiNaC and compared with the graph's derivatives by normal form; they
     begin with the positions and velocities of the links, differentiated from the placements. With
-    more joints the steps list named intermediates, and are checked by identities in exact rational
+    more joints each entry that is short is a closed form (ClosedAlgebra::shortFormula), the others
+    are lines of named intermediates, and all are checked by identities in exact rational
     arithmetic at `points` random states. Not thread safe (GiNaC is not).
     @param linearized  the equations of motion to first order beside a motion, too
     @throws std::invalid_argument  linearized without closed forms */
@@ -53,7 +62,8 @@ Derivation derivation(const scene::Mechanism& mechanism, bool linearized = false
 
 /// A derivation as plain text, or as the body of an HTML page with MathML or of a LaTeX document
 /// (amsmath; \hangpara begins an equation, a paragraph in which TeX may break lines).
-std::string print(const Derivation& derivation, Style style);
+/// @param checks  with what was checked
+std::string print(const Derivation& derivation, Style style, bool checks = true);
 
 /// A sentence as one of the styles needs it.
 std::string printText(const std::string& text, Style style);

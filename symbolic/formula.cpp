@@ -236,18 +236,25 @@ NameParts parts(const std::string& name) {
   return {head, rest};
 }
 
-std::string latexName(const std::string& name) {
-  const NameParts p = parts(name);
-  std::string out = findGreek(p.head)    ? "\\" + p.head
-                    : p.head.size() == 1 ? p.head
-                                         : "\\mathit{" + latexText(p.head) + "}";
-  if (p.subscript.empty()) return out;
-  const bool is_word = p.subscript.find_first_not_of("0123456789") != std::string::npos;
-  std::string subscript = latexText(p.subscript);
-  if (is_word && p.subscript.size() > 2) subscript = "\\mathrm{" + subscript + "}";
+std::string latexHead(const std::string& head) {
+  return findGreek(head)    ? "\\" + head
+         : head.size() == 1 ? head
+                            : "\\mathit{" + latexText(head) + "}";
+}
+
+std::string latexSubscript(const std::string& text) {
+  if (text.empty()) return "";
+  const bool is_word = text.find_first_not_of("0123456789") != std::string::npos;
+  std::string subscript = latexText(text);
+  if (is_word && text.size() > 2) subscript = "\\mathrm{" + subscript + "}";
   for (std::size_t i = 0; (i = subscript.find(' ', i)) != std::string::npos; i += 2)
     subscript.replace(i, 1, "\\,");
-  return out + "_{" + subscript + "}";
+  return "_{" + subscript + "}";
+}
+
+std::string latexName(const std::string& name) {
+  const NameParts p = parts(name);
+  return latexHead(p.head) + latexSubscript(p.subscript);
 }
 
 std::string mathmlIdentifier(const std::string& head) {
@@ -255,13 +262,16 @@ std::string mathmlIdentifier(const std::string& head) {
   return "<mi>" + (greek ? std::string(greek->html) : xmlText(head)) + "</mi>";
 }
 
+std::string mathmlSubscript(const std::string& subscript) {
+  const bool is_number = subscript.find_first_not_of("0123456789") == std::string::npos;
+  const std::string tag = is_number ? "mn" : "mi";
+  return "<" + tag + ">" + xmlText(subscript) + "</" + tag + ">";
+}
+
 std::string mathmlName(const std::string& name) {
   const NameParts p = parts(name);
   if (p.subscript.empty()) return mathmlIdentifier(p.head);
-  const bool is_number = p.subscript.find_first_not_of("0123456789") == std::string::npos;
-  const std::string tag = is_number ? "mn" : "mi";
-  return "<msub>" + mathmlIdentifier(p.head) + "<" + tag + ">" + xmlText(p.subscript) + "</" + tag +
-         "></msub>";
+  return "<msub>" + mathmlIdentifier(p.head) + mathmlSubscript(p.subscript) + "</msub>";
 }
 
 bool isDecimal(const Rational& r) {
@@ -386,8 +396,11 @@ class Printer {
     }
   }
 
-  std::string position(int joint) const {
-    return printName("q" + std::to_string(joint + 1), style_);
+  /// The position that an input is a function or a rate of.
+  static Formula ofPosition(const Formula& f) {
+    Formula position = Formula::ofInput(Input::kPosition, f.joint);
+    position.symbol = f.symbol;
+    return position;
   }
 
   std::string input(const Formula& f) const {
@@ -414,20 +427,22 @@ class Printer {
     }
     switch (f.input) {
       case Input::kPosition:
-        return position(f.joint);
+        return printName(f.symbol.empty() ? "q" + k : f.symbol, style_);
       case Input::kCos:
-        return function("cos", Formula::ofInput(Input::kPosition, f.joint), 1);
+        return function("cos", ofPosition(f), 1);
       case Input::kSin:
-        return function("sin", Formula::ofInput(Input::kPosition, f.joint), 1);
+        return function("sin", ofPosition(f), 1);
       case Input::kVelocity:
-        return dotted(k, 1);
+        return dotted(f, 1);
       case Input::kAcceleration:
-        return dotted(k, 2);
+        return dotted(f, 2);
       case Input::kForce:
         return printName("tau" + k, style_);
-      case Input::kDirection:
-        return function(style_ == Style::kLatex ? "operatorname{sign}" : "sign",
-                        Formula::ofInput(Input::kVelocity, f.joint), 1, true);
+      case Input::kDirection: {
+        Formula rate = Formula::ofInput(Input::kVelocity, f.joint);
+        rate.symbol = f.symbol;
+        return function(style_ == Style::kLatex ? "operatorname{sign}" : "sign", rate, 1, true);
+      }
       case Input::kRotation:
         return printName(rotation(f.joint), style_);
     }
@@ -440,17 +455,22 @@ class Printer {
            std::to_string(entry % 3 + 1);
   }
 
-  std::string dotted(const std::string& k, int dots) const {
+  std::string dotted(const Formula& f, int dots) const {
+    const NameParts p = parts(f.symbol.empty() ? "q" + std::to_string(f.joint + 1) : f.symbol);
     switch (style_) {
       case Style::kLatex:
-        return std::string(dots == 1 ? "\\dot" : "\\ddot") + "{q}_{" + k + "}";
-      case Style::kMathml:
+        return std::string(dots == 1 ? "\\dot" : "\\ddot") + "{" + latexHead(p.head) + "}" +
+               latexSubscript(p.subscript);
+      case Style::kMathml: {
         // dots as operators: browsers set the accents U+02D9 and U+00A8 onto the letter itself
-        return "<msub><mover><mi>q</mi><mo>" +
-               std::string(dots == 1 ? "&#x22c5;" : "&#x22c5;&#x22c5;") + "</mo></mover><mn>" + k +
-               "</mn></msub>";
+        const std::string head = "<mover>" + mathmlIdentifier(p.head) + "<mo>" +
+                                 (dots == 1 ? "&#x22c5;" : "&#x22c5;&#x22c5;") + "</mo></mover>";
+        return p.subscript.empty() ? head
+                                   : "<msub>" + head + mathmlSubscript(p.subscript) + "</msub>";
+      }
       default:
-        return (dots == 1 ? "qd" : "qdd") + k;
+        if (!f.symbol.empty()) return f.symbol + (dots == 1 ? "_dot" : "_ddot");
+        return (dots == 1 ? "qd" : "qdd") + std::to_string(f.joint + 1);
     }
   }
 
@@ -559,8 +579,7 @@ class Printer {
   std::string function(const Formula& f, int exponent, bool closed) const {
     const bool is_input = f.kind == Formula::Kind::kInput;
     const bool is_cos = is_input ? f.input == Input::kCos : f.kind == Formula::Kind::kCos;
-    const Formula angle =
-        is_input ? Formula::ofInput(Input::kPosition, f.joint) : f.operands.front();
+    const Formula angle = is_input ? ofPosition(f) : f.operands.front();
     return function(is_cos ? "cos" : "sin", angle, exponent, closed);
   }
 

@@ -26,8 +26,10 @@ struct Formula {
   };
 
   Kind kind = Kind::kNumber;
-  Rational number = 0;             ///< kNumber
-  std::string symbol;              ///< kSymbol: a parameter or a definition, by its plain name
+  Rational number = 0;  ///< kNumber
+  /// kSymbol: a parameter or a definition, by its plain name. kInput: what a position is called, in
+  /// its rates, too; empty: q_k.
+  std::string symbol;
   Input input = Input::kPosition;  ///< kInput
   int joint = 0;                   ///< kInput: counted from 0
   int exponent = 1;                ///< kPower, may be negative

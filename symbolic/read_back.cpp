@@ -586,7 +586,7 @@ std::vector<std::string> cellsOf(const std::string& matrix, Style style) {
 class Point {
  public:
   Point(const Derivation& derivation, Style style, unsigned seed)
-      : style_(style), draw_(seed), vocabulary_(style) {
+      : derivation_(derivation), style_(style), draw_(seed), vocabulary_(style) {
     const Equations& e = *derivation.equations;
     const DrawnNumbers number(derivation.mechanism, draw_);
     scene::State<Residue> state;
@@ -632,7 +632,7 @@ class Point {
 
  private:
   std::string spelled(Input input, int joint) const {
-    return print(Formula::ofInput(input, joint), style_);
+    return print(derivation_.input(input, joint), style_);
   }
   void defineAtom(const Atom& atom, Residue value, const DrawnNumbers& number) {
     const Formula shown = Formula::ofAtom(atom);
@@ -656,6 +656,7 @@ class Point {
     vocabulary_.defineAngle(print(shown.operands.front(), style_), point);
   }
 
+  const Derivation& derivation_;
   Style style_;
   Draw draw_;
   Vocabulary vocabulary_;

@@ -14,6 +14,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/point_option.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/shown_derivation.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/kernel/controller_code.hpp"
@@ -25,16 +26,15 @@
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/print.hpp"
-#include "symbolic/read_back.hpp"
 
 namespace dynwitness::cli {
 namespace {
 
 struct DeriveArguments {
   GivenScene scene;
-  std::string output, format = "text", point, scalar = "double", parameters = "folded";
-  std::vector<std::string> quantities = {"all"};
-  bool operations = false, proof = false, linearized = false;
+  std::string output, format = "text", point, scalar = "double", parameters = "folded", beside;
+  std::vector<std::string> quantities = {"all"}, only, substitutions, names;
+  bool operations = false, proof = false, linearized = false, no_checks = false;
 
   bool isAll() const { return quantities == std::vector<std::string>{"all"}; }
   bool isProgram() const { return format == "c" || format == "python"; }
@@ -42,6 +42,20 @@ struct DeriveArguments {
   bool isCode() const {
     return format == "matlab" || format == "julia" ||
            (isProgram() && (!isAll() || parameters == "struct"));
+  }
+  /// An option that only a derivation to be read has; "": none is given.
+  std::string ofReading() const {
+    return proof                    ? "--proof"
+           : linearized             ? "--linearized"
+           : !only.empty()          ? "--only"
+           : !beside.empty()        ? "--beside"
+           : no_checks              ? "--no-checks"
+           : !substitutions.empty() ? "--substitute"
+           : !names.empty()         ? "--rename"
+                                    : "";
+  }
+  ShownDerivation shown() const {
+    return {format, quantities, only, substitutions, names, beside, linearized, proof, !no_checks};
   }
   /// What is asked that takes the inverse of M; "": nothing.
   std::string solved() const {
@@ -88,67 +102,6 @@ std::string operationsTable(const scene::Scene& scene) {
              "{:>6}  the recursion run anew for each link\n"
              "{:>6}  equal subtrees computed once, where they are in equal poses\n",
              steps.swept, steps.anew, steps.shared);
-}
-
-std::string htmlPage(const std::string& title, const std::string& body) {
-  static constexpr const char* kStyle = R"(
-body { font: 1rem/1.6 serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
-summary { cursor: pointer }
-.step { margin: 1.2rem 0 } .step > summary { font-weight: bold }
-.equation { display: flex; align-items: center; gap: .6rem }
-.equation math { font-size: 1.1em; overflow-x: auto; overflow-y: hidden; padding: .2rem 0; flex: 1 }
-.equation button { font-size: .7rem; opacity: .6 }
-.holds, .fails { font-size: .9rem } .fails { font-weight: bold }
-@media print { .equation button, .holds { display: none } }
-)";
-  // a browser without a clipboard (a file opened from disk in some) shows no buttons
-  static constexpr const char* kScript = R"(
-if (navigator.clipboard) for (const line of document.querySelectorAll('.equation')) {
-  const button = document.createElement('button');
-  button.textContent = 'copy LaTeX';
-  button.onclick = () => navigator.clipboard.writeText(line.dataset.latex);
-  line.append(button);
-}
-)";
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<style>{2}</style></head>\n<body><h1>{0}</h1>\n{1}<script>{3}</script></body></html>\n",
-      title, body, kStyle, kScript);
-}
-
-std::string latexDocument(const std::string& title, const std::string& body) {
-  return fmt::format(
-      "\\documentclass{{article}}\n"
-      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\n"
-      "\\usepackage[a4paper, margin=25mm]{{geometry}}\n"
-      "% an equation is a paragraph, so that long ones are broken at their signs\n"
-      "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
-      "\\binoppenalty=100 \\relpenalty=50 \\allowdisplaybreaks\n"
-      "\\setlength{{\\parindent}}{{0pt}}\\setlength{{\\parskip}}{{0.4em}}\n"
-      "\\title{{{0}}}\\date{{}}\n"
-      "\\begin{{document}}\n\\maketitle\\raggedright\n{1}\\end{{document}}\n",
-      title, body);
-}
-
-[[noreturn]] void refuseOnly(const std::string& quantity) {
-  throw scene::InputError(
-      {}, fmt::format("{}: the derivation of this scene is one program of named "
-                      "intermediates, not a step a quantity; allowed: --quantity all, "
-                      "or --format c or python",
-                      quantity));
-}
-
-/// The steps that a quantity needs last: its own.
-symbolic::Derivation only(symbolic::Derivation derivation, const std::string& quantity) {
-  if (quantity == "all") return derivation;
-  std::vector<symbolic::Step> kept;
-  for (const symbolic::Step& step : derivation.steps)
-    if (step.quantity == quantity) kept.push_back(step);
-  if (kept.empty()) refuseOnly(quantity);
-  derivation.steps = kept;
-  return derivation;
 }
 
 namespace kernel = crosscheck::kernel;
@@ -268,72 +221,45 @@ int runDerive(const DeriveArguments& arguments) {
                 : is_program         ? Command::kDerivePrograms
                                      : Command::kDerive});
   crosscheck::requireMotion(scene);
-  if (arguments.proof && (is_program || is_code))
+  if (const std::string option = arguments.ofReading(); !option.empty() && (is_program || is_code))
     throw scene::InputError(
-        {},
-        fmt::format("--proof with --format {}: programs are run by tests and not read, allowed: "
-                    "--format text, latex or html",
-                    arguments.format));
-  if (arguments.linearized && (is_program || is_code || !symbolic::hasClosedForm(scene.mechanism)))
+        {}, fmt::format("{} with --format {}: programs are run and not read, allowed: --format "
+                        "text, latex or html",
+                        option, arguments.format));
+  if (arguments.linearized && !symbolic::hasClosedForm(scene.mechanism))
     throw scene::InputError(
         {scene.file.string(), 0},
-        fmt::format(
-            "--linearized with --format {} of {} joints, allowed: text, latex or html of up "
-            "to three whose rates are derivatives; dynwitness linearize has numbers",
-            arguments.format, scene.mechanism.dof()));
-  std::string text;
-  bool holds = true;
-  std::optional<symbolic::ReadBack> proof;
-  std::optional<Progress> progress(std::in_place, "derivation of " + scene.name);
+        fmt::format("--linearized of {} joints, allowed: up to three whose rates are derivatives; "
+                    "dynwitness linearize has numbers",
+                    scene.mechanism.dof()));
   if (is_code) {
     writeCode(arguments, scene);
     return 0;
   }
-  if (arguments.operations) {
-    text = operationsTable(scene);
-  } else if (is_program) {
-    symbolic::Equations equations = symbolic::derive(scene.mechanism);
-    text = arguments.format == "c" ? symbolic::emitC(equations, scene.mechanism, scene.name)
-                                   : symbolic::emitPython(equations, scene.mechanism, scene.name);
-  } else {
-    const std::string quantity = arguments.quantities[0];
-    if (arguments.quantities.size() != 1 ||
-        (quantity != "all" && quantity != "M" && quantity != "c" && quantity != "g"))
-      throw scene::InputError(
-          {}, fmt::format("--quantity: read '{}', allowed for a derivation: one of M, c, g, all; "
-                          "others are code: --format c, python, matlab, julia",
-                          fmt::join(arguments.quantities, ",")));
-    if (quantity != "all" && !symbolic::hasClosedForm(scene.mechanism)) refuseOnly(quantity);
-    const symbolic::Derivation whole = symbolic::derivation(scene.mechanism, arguments.linearized);
-    const symbolic::Style style = arguments.format == "html"    ? symbolic::Style::kMathml
-                                  : arguments.format == "latex" ? symbolic::Style::kLatex
-                                                                : symbolic::Style::kText;
-    holds = whole.holds();
-    const auto page = [&](const symbolic::Derivation& derivation) {
-      const std::string body = symbolic::print(derivation, style);
-      if (style == symbolic::Style::kText) return body;
-      const std::string title = symbolic::printText(scene.title, style);
-      return style == symbolic::Style::kMathml ? htmlPage(title, body) : latexDocument(title, body);
-    };
-    text = page(only(whole, quantity));
-    if (arguments.proof) proof = symbolic::readBack(whole, page(whole), style);
+  DerivationText out;
+  {
+    const Progress progress("derivation of " + scene.name);
+    if (arguments.operations) {
+      out.text = operationsTable(scene);
+    } else if (is_program) {
+      symbolic::Equations equations = symbolic::derive(scene.mechanism);
+      out.text = arguments.format == "c"
+                     ? symbolic::emitC(equations, scene.mechanism, scene.name)
+                     : symbolic::emitPython(equations, scene.mechanism, scene.name);
+    } else {
+      out = derivationText(scene, arguments.shown());
+    }
   }
-  progress.reset();
   if (arguments.output.empty())
-    fmt::print("{}", text);
+    fmt::print("{}", out.text);
   else
-    crosscheck::writeWholeFile(arguments.output, text);
-  if (!holds) tellFailure("dynwitness: a step of the derivation does not hold\n");
-  if (proof && proof->problem.empty()) {
-    tell(fmt::format(
-        "read back from what is printed: {} formulas are what was derived, at {} random "
-        "points modulo 2^61 - 1 (another formula passes with a chance below {:.0g})\n",
-        proof->formulas, proof->points, symbolic::kReadBackChance));
-  } else if (proof) {
-    tellFailure(fmt::format("dynwitness: read back from what is printed: {}\n", proof->problem));
-    holds = false;
-  }
-  return holds ? 0 : 1;
+    crosscheck::writeWholeFile(arguments.output, out.text);
+  if (!out.holds) tellFailure("dynwitness: a step of the derivation does not hold\n");
+  if (!out.problem.empty())
+    tellFailure(fmt::format("dynwitness: read back from what is printed: {}\n", out.problem));
+  else if (!out.proof.empty())
+    tell(out.proof);
+  return out.holds && out.problem.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -344,6 +270,7 @@ Run addDerive(CLI::App* command) {
   command->footer(
       "Examples:\n"
       "dynwitness derive \"double pendulum\"\n"
+      "dynwitness derive double_pendulum --only M12,c2 --substitute l1=1,l2=1 --rename q1=alpha\n"
       "dynwitness derive puma_560 --format c --quantity tau,qdd,M,c,g -o puma\n"
       "dynwitness derive puma_560 --format c --quantity tau,M --parameters struct -o puma\n"
       "dynwitness derive puma_560 --format c --scalar float --quantity jacobian --point link_6\n\n"
@@ -387,6 +314,37 @@ Run addDerive(CLI::App* command) {
       ->add_flag("--linearized", arguments->linearized,
                  "The equations of motion to first order, too: up to three joints")
       ->excludes("--operations", "--quantity");
+  command
+      ->add_option(
+          "--only", arguments->only,
+          "Entries to print: lines of the derivation, M12, c2, tau1 (an equation of motion), "
+          "T, ..., or all of M, c, g, p, Gamma, tau, with the lines that they are made of")
+      ->delimiter(',')
+      ->excludes("--operations", "--quantity");
+  command
+      ->add_option("--substitute", arguments->substitutions,
+                   "Parameters put in before anything is derived: numbers, which stay exact (1/3, "
+                   "0), or expressions in the others (l2=l1); no body need be of such a mass")
+      ->delimiter(',')
+      ->type_name("NAME=VALUE,...")
+      ->excludes("--operations");
+  command
+      ->add_option("--rename", arguments->names,
+                   "What q1, q2, ... are called in formulas: theta, x_1; rates follow (theta_dot)")
+      ->delimiter(',')
+      ->type_name("q1=NAME,...")
+      ->excludes("--operations");
+  command
+      ->add_option("--beside", arguments->beside,
+                   "The same lines once more by the recursive Newton-Euler sweep, until both meet: "
+                   "up to three joints")
+      ->check(oneOf({"newton_euler"}))
+      ->excludes("--operations", "--quantity");
+  command
+      ->add_flag("--no-checks", arguments->no_checks,
+                 "What was checked is not printed; it is checked all the same, and what fails is "
+                 "told")
+      ->excludes("--operations");
   command
       ->add_flag("--proof", arguments->proof,
                  "Read the printed formulas back, and compare each exactly with what was derived: "

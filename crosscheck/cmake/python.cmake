@@ -1,5 +1,6 @@
 # The Python module, built on demand: ./dynwitness python. What it needs of the floors is compiled once more
-# as code that can be moved (-fPIC), which programs do without.
+# as code that can be moved (-fPIC), which programs do without; at -O1, since all that is done a state is in
+# crosscheck/python/ itself and in the scene's compiled kernel.
 #   dynwitness_python  the target; none where pybind11 or Python's headers are missing
 set(DYNWITNESS_PYTHON_FOLDER ${PROJECT_BINARY_DIR}/python/dynwitness)
 if(NOT DEFINED Python_EXECUTABLE AND EXISTS /usr/bin/python3)
@@ -25,6 +26,7 @@ function(dynwitness_movable FLOOR)
     get_target_property(cool dynwitness_${FLOOR}_cool SOURCES)
     list(APPEND sources ${cool})
   endif()
+  list(FILTER sources EXCLUDE REGEX "kernel/(controller|code)_")  # code for controllers is the program's
   add_library(dynwitness_${FLOOR}_movable STATIC EXCLUDE_FROM_ALL ${sources})
   foreach(property COMPILE_DEFINITIONS COMPILE_OPTIONS INCLUDE_DIRECTORIES)
     get_target_property(value dynwitness_${FLOOR} ${property})
@@ -40,6 +42,7 @@ function(dynwitness_movable FLOOR)
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
     UNITY_BUILD ${DYNWITNESS_TOGETHER} UNITY_BUILD_BATCH_SIZE 8)
   target_compile_features(dynwitness_${FLOOR}_movable PUBLIC cxx_std_17)
+  target_compile_options(dynwitness_${FLOOR}_movable PRIVATE -O1)
   target_include_directories(dynwitness_${FLOOR}_movable PUBLIC ${PROJECT_SOURCE_DIR})
 endfunction()
 foreach(floor scene symbolic system inputs scalars kernel)

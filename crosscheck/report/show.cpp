@@ -422,6 +422,13 @@ std::string showText(const Shown& shown) {
   return text;
 }
 
+std::string jointsHtml(const scene::Scene& scene) {
+  const Shown shown{scene};
+  const Facts facts(shown);
+  const Table joints = jointTable(facts);
+  return joints.rows.empty() ? std::string() : htmlOf(joints, scene.name);
+}
+
 std::string showPage(const Shown& shown, const View& view, const std::string& version) {
   const Facts facts(shown);
   const scene::Scene& scene = shown.scene;

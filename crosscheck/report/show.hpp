@@ -25,6 +25,8 @@ struct Shown {
 std::string showText(const Shown& shown);
 /// Follows show.schema.json.
 std::string showJson(const Shown& shown, const std::string& version);
+/// The table of the joints alone, as HTML; empty: none moves.
+std::string jointsHtml(const scene::Scene& scene);
 /// The picture with the same tables.
 std::string showPage(const Shown& shown, const View& view, const std::string& version);
 

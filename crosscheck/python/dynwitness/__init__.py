@@ -8,15 +8,16 @@
     dw.crosscheck(arm)["verdict"]             # what `dynwitness crosscheck` says
     dw.testing.assert_engine(fn, arm)         # is fn(q, qd, qdd) the arm's tau? if not: where, why
 
-`./dynwitness python` builds what computes in process and says how to import it. Without it the functions
-that run the program are there, and load() says so. SI units; needs numpy.
+`./dynwitness python` builds what computes in process and says how to import it, and so does
+`pip install --no-build-isolation ./crosscheck/python`. Without it the functions that run the program are there, and load() says so. SI units; needs numpy.
 """
 import os
 from pathlib import Path
 
 from . import program
-from .program import (Maths, Picture, ProgramFailed, SceneText, Step, Table, crosscheck, derive, drift,
-                      evaluate, growth, parameters, plot, python_function, run, simulate, ulps)
+from .program import (Maths, Picture, ProgramFailed, Report, SceneText, Step, Table, audit, chart, check,
+                      crosscheck, derive, drift, evaluate, growth, parameters, plot, python_function, run,
+                      show, simulate, ulps)
 
 # what was compiled stands in the folder of the build
 _BUILT = os.environ.get("DYNWITNESS_PYTHON_BUILD") or str(program.ROOT / "build" / "python" / "dynwitness")
@@ -24,6 +25,7 @@ __path__.append(str(Path(_BUILT)))
 
 try:
     from ._core import InputError, Scene, __version__, from_text, load
+    Scene._repr_html_ = program.scene_html  # notebooks show what it is and what it looks like
 except ModuleNotFoundError:  # one that is there and does not load raises
     def load(name):
         raise ImportError("dynwitness in process is not built: ./dynwitness python builds it, for "

@@ -15,7 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[3]
+try:  # where pip was told to install it from
+    from ._checkout import ROOT
+    ROOT = Path(ROOT)
+except ImportError:
+    ROOT = Path(__file__).resolve().parents[3]
 
 
 class ProgramFailed(Exception):
@@ -138,6 +142,135 @@ def crosscheck(scene, *options):
         return json.loads(report.read_text())
 
 
+class Report(str):
+    """What the program says, as it prints it; a notebook shows it as it stands. `right`: its verdict."""
+
+    def __new__(cls, text, right):
+        report = super().__new__(cls, text)
+        report.right = right
+        return report
+
+    def _repr_html_(self):
+        return f"<pre>{_escaped(str(self))}</pre>"
+
+    def __repr__(self):
+        return str(self)
+
+
+# of what each quantity of an engine is a function, in the order of its arguments
+ARGUMENTS = {"tau": ("q", "qd", "qdd"), "M": ("q",), "c": ("q", "qd"), "g": ("q",)}
+
+
+def _answers(functions, scene, states, seed):
+    """A table of random states and what the functions answer there, as `check --answers` reads it."""
+    draw = np.random.default_rng(seed)
+    given = {name: draw.uniform(-3, 3, (states, scene.n)) for name in ("q", "qd", "qdd")}
+    names = [f"{part}{i + 1}" for part in given for i in range(scene.n)]
+    blocks = list(given.values())
+    for quantity, function in functions.items():
+        shape = (scene.n, scene.n) if quantity == "M" else (scene.n,)
+        rows = []
+        for k in range(states):
+            answer = np.asarray(function(*(given[part][k].copy() for part in ARGUMENTS[quantity])), float)
+            if answer.shape != shape:
+                raise ValueError(f"fn: {quantity}: expected shape {shape}, got {answer.shape}")
+            rows.append(answer.ravel())
+        if quantity == "M":
+            names += [f"M{i + 1}{'_' if scene.n > 9 else ''}{j + 1}" for i in range(scene.n) for j in range(scene.n)]
+        else:
+            names += [f"{quantity}{i + 1}" for i in range(scene.n)]
+        blocks.append(np.array(rows))
+    lines = [",".join(names)]
+    lines += [",".join(repr(float(x)) for x in row) for row in np.hstack(blocks)]
+    return "\n".join(lines) + "\n"
+
+
+def check(fn, scene, *, states=10, seed=1):
+    """Is a Python function the dynamics of a scene? The Report of `dynwitness check`: where it is wrong, in
+    which term, and which mistake would have answered the same. `report.right` is the verdict.
+
+    fn: a function fn(q, qd, qdd) that gives tau, or a dictionary of functions: {"tau": fn(q, qd, qdd),
+        "M": fn(q), "c": fn(q, qd), "g": fn(q)}. Called with one state at a time, arrays of shape (n,)
+        [rad, rad/s, rad/s^2; m for slides]; M has shape (n, n), the others (n,) [N m, N].
+    scene: a Scene, or what load() takes. Rates have to be derivatives of positions.
+    states: how many random states, at most 10. seed: of these.
+
+    Each answer is judged by what an algorithm of its kind may lose in rounding.
+    """
+    from . import load
+    scene = scene if hasattr(scene, "toml") else load(str(scene))
+    functions = fn if isinstance(fn, dict) else {"tau": fn}
+    unknown = [name for name in functions if name not in ARGUMENTS]
+    if unknown or not functions:
+        raise ValueError(f"fn: {', '.join(map(str, unknown)) or 'no quantity'}, allowed: {', '.join(ARGUMENTS)}")
+    if not 1 <= states <= 10:
+        raise ValueError(f"states: {states}, allowed: 1 to 10")
+    if scene.nq != scene.n:
+        raise ValueError(f"scene: {scene.name} has {scene.nq} positions for {scene.n} rates, allowed: "
+                         "joints whose rates are derivatives of their positions")
+    with _Files() as files:
+        (files.path / "answers.csv").write_text(_answers(functions, scene, states, seed))
+        right = True
+        try:
+            run("check", files.scene(scene), "--answers", files.path / "answers.csv", "-o",
+                files.path / "report.txt")
+        except ProgramFailed as failed:
+            if failed.status != 1:
+                raise
+            right = False
+        return Report((files.path / "report.txt").read_text(), right)
+
+
+def chart(scene, quantity="tau", *options):
+    """The Picture that `dynwitness chart SCENE --quantity QUANTITY` draws: time of one evaluation against
+    worst error, of all methods; quantity: M, tau or qdd. It measures, which takes seconds to minutes."""
+    if quantity not in ("M", "tau", "qdd"):
+        raise ValueError(f"quantity: {quantity!r}, allowed: M, tau, qdd")
+    with _Files() as files:
+        run("chart", files.scene(scene), "--quantity", quantity, *options, "-o", files.path / "charts")
+        svg = next((files.path / "charts").glob(f"*_{quantity}.svg")).read_text()
+        return Picture(svg[svg.index("<svg"):], f"{quantity} of {_name(scene)}: time against error, by method")
+
+
+def audit(*equations):
+    """What `dynwitness audit --json` says of the textbook chapter: all of it, or these entries ("15")."""
+    with _Files() as files:
+        words = [word for equation in equations for word in ("--equation", equation)]
+        run("audit", *words, "--json", files.path / "audit.json", agreed_only=False)
+        return json.loads((files.path / "audit.json").read_text())
+
+
+def _name(scene):
+    return scene.name if hasattr(scene, "name") else "the scene" if isinstance(scene, SceneText) else str(scene)
+
+
+def show(scene):
+    """What `dynwitness show SCENE --format json` says, and the drawing of the mechanism at its start.
+
+    Returns (dictionary, Picture)."""
+    with _Files() as files:
+        facts = json.loads(run("show", files.scene(scene), "--format", "json", "-o", files.path / "page.html"))
+        page = (files.path / "page.html").read_text()
+    svg = re.search(r'<svg id="picture".*?</svg>', page, re.S).group(0)
+    style = re.search(r"<style>(.*?)</style>", page, re.S).group(1)
+    # the drawing's own rules and colours, which on the page stand with all others
+    colours = re.search(r":root \{(.*?)\}", style, re.S).group(1)
+    rules = "\n".join(line for line in style.splitlines() if line.startswith(".drawn"))
+    svg = svg.replace('id="picture" ', 'xmlns="http://www.w3.org/2000/svg" width="480" height="360" ', 1)
+    head = svg.index(">") + 1
+    svg = f"{svg[:head]}<style>.drawn {{{colours}}}\n{rules}</style>{svg[head:]}"
+    return facts, Picture(svg, f"{_name(scene)} at its start")
+
+
+def scene_html(scene):
+    """A Scene in a notebook: what it is, its drawing, and which q is which joint."""
+    facts, picture = show(scene)
+    rows = [(joint["name"], joint["kind"], " ".join(joint["q"]), " ".join(joint["qd"]), joint["parent"], joint["child"])
+            for joint in facts["joints"] if joint["kind"] != "fixed"]
+    table = Table(["joint", "kind", "q", "qd", "parent", "child"], rows)
+    return f"<p><b>{_escaped(scene.title)}</b> ({_escaped(scene.name)})</p>{picture.svg}{table._repr_html_()}"
+
+
 def parameters(scene, *options):
     """What `dynwitness parameters SCENE --json` writes: which parameters the motion knows."""
     with _Files() as files:
@@ -181,11 +314,14 @@ class Step(NamedTuple):
     equations: list  # LaTeX
     check: str       # what the program checked, and how that went
 
+    def _repr_latex_(self):
+        return Maths({self.name: self}, self.name)._repr_latex_()
 
-def derive(scene):
-    """The steps of `dynwitness derive SCENE`, by name."""
+
+def derive(scene, *options):
+    """The steps of `dynwitness derive SCENE`, by name; options as there: "--only", "M12,c2"."""
     with _Files() as files:
-        text = run("derive", files.scene(scene), "--format", "latex")
+        text = run("derive", files.scene(scene), *options, "--format", "latex")
     steps = {}
     for part in text.split(r"\paragraph{")[1:]:
         words = re.match(r"\d+\. (.*?)} (.*?)\n.*Check: (.*?)}\n", part, re.S).groups()

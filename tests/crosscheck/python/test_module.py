@@ -72,6 +72,45 @@ def test_double_pendulum_by_hand():
     near(arm.potential(q), -(m1 / 2 + m2) * g * l1 * np.cos(q[:, 0]) - m2 * g * l2 / 2 * np.cos(q[:, 0] + q[:, 1]))
 
 
+def test_check_and_what_notebooks_show():
+    arm = dw.load("double_pendulum")
+    report = dw.check(arm.id, arm)
+    assert report.right and "right" in report, report
+    wrong = dw.check(lambda q, qd, qdd: arm.id(q, qd, qdd) - 2 * arm.g(q), arm)
+    assert not wrong.right and "WRONG" in wrong and wrong._repr_html_().startswith("<pre>"), wrong
+    html = arm._repr_html_()  # what a notebook shows of a scene: its drawing, and which q is which joint
+    for part in ("<svg", "</svg>", "<table>", "q1", "q2", arm.title):
+        assert part in html, part
+    facts, picture = dw.show("scara")
+    assert facts["degrees_of_freedom"] == 4 and picture._repr_svg_().startswith("<svg"), picture
+    steps = dw.derive("double_pendulum", "--only", "M12")
+    assert list(steps) == ["mass matrix M"], list(steps)
+    assert steps["mass matrix M"]._repr_latex_().startswith("$$") and "M_{12}" in steps["mass matrix M"]._repr_latex_()
+    entry = dw.audit("15")
+    assert entry, entry
+    raises(ValueError, ["quantity", "allowed: M, tau, qdd"], dw.chart, arm, "energy")
+
+
+def test_stubs_are_what_is_there():
+    import ast
+    import inspect
+    folder = Path(dw.program.__file__).parent
+    for module in (dw.program, dw.testing):
+        stub = ast.parse((folder / Path(module.__file__).with_suffix(".pyi").name).read_text())
+        said = {node.name: node for node in stub.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+        for name, thing in vars(module).items():
+            if getattr(thing, "__module__", None) != module.__name__ or name.startswith("_"):
+                continue
+            assert name in said, f"{module.__name__}.{name} has no stub"
+            if inspect.isfunction(thing):
+                arguments = said[name].args
+                names = [a.arg for a in arguments.args + arguments.kwonlyargs]
+                there = [p.name for p in inspect.signature(thing).parameters.values()
+                         if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
+                assert names == there, (name, names, there)
+        assert set(said) <= set(vars(module)), set(said) - set(vars(module))
+
+
 def test_the_programs_lagrangian():
     for name in ("puma_560", "scara", "prismatic_revolute_mix", "cart_pole", "puma_560_friction"):
         scene = dw.load(name)

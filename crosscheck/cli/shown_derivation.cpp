@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/shown_derivation.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crosscheck/exact/equation_zeros.hpp"
+#include "crosscheck/exact/ledger.hpp"
+#include "crosscheck/exact/newton_euler_steps.hpp"
+#include "crosscheck/report/show.hpp"
+#include "crosscheck/report/view.hpp"
+#include "scene/substitution.hpp"
+#include "symbolic/derivation.hpp"
+#include "symbolic/read_back.hpp"
+#include "symbolic/selection.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+constexpr const char* kDerivationCss = R"(
+summary { cursor: pointer }
+.step { margin: 1.2rem 0 } .step > summary { font-weight: bold }
+.equation { display: flex; align-items: center; gap: .6rem }
+.equation math { font-size: 1.1em; overflow-x: auto; overflow-y: hidden; padding: .2rem 0; flex: 1 }
+.equation button { font-size: .7rem; opacity: .6 }
+.holds, .fails { font-size: .9rem } .fails { font-weight: bold }
+.columns { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 2rem }
+@media (max-width: 60rem) { .columns { display: block } }
+@media print { .equation button, .holds { display: none } .columns { display: block } }
+)";
+// a browser without a clipboard (a file opened from disk in some) shows no buttons
+constexpr const char* kDerivationScript = R"(
+if (navigator.clipboard) for (const line of document.querySelectorAll('.equation')) {
+  const button = document.createElement('button');
+  button.textContent = 'copy LaTeX';
+  button.onclick = () => navigator.clipboard.writeText(line.dataset.latex);
+  line.append(button);
+}
+)";
+
+/// The mechanism as `show` draws it, what each q means, and below it the steps.
+std::string htmlPage(const scene::Scene& scene, const std::string& body) {
+  return crosscheck::viewPage(
+      crosscheck::viewOf(scene), DYNWITNESS_VERSION,
+      "<p class=\"soft\">The equations of motion, derived from kinetic and potential energy.</p>\n",
+      fmt::format("{}<style>{}</style>\n<section>\n<h2>Derivation</h2>\n{}</section>\n"
+                  "<script>{}</script>\n",
+                  crosscheck::jointsHtml(scene), kDerivationCss, body, kDerivationScript));
+}
+
+std::string latexDocument(const std::string& title, const std::string& body) {
+  return fmt::format(
+      "\\documentclass{{article}}\n"
+      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\n"
+      "\\usepackage[a4paper, margin=25mm]{{geometry}}\n"
+      "% an equation is a paragraph, so that long ones are broken at their signs\n"
+      "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
+      "\\binoppenalty=100 \\relpenalty=50 \\allowdisplaybreaks\n"
+      "\\setlength{{\\parindent}}{{0pt}}\\setlength{{\\parskip}}{{0.4em}}\n"
+      "\\title{{{0}}}\\date{{}}\n"
+      "\\begin{{document}}\n\\maketitle\\raggedright\n{1}\\end{{document}}\n",
+      title, body);
+}
+
+/// "M13" of the ledger's "M_1,3"
+std::string lineName(const std::string& entry) {
+  const std::size_t comma = entry.find(',');
+  const std::string letter = entry.substr(0, entry.find('_')),
+                    first = entry.substr(letter.size() + 1, comma - letter.size() - 1);
+  if (comma == std::string::npos) return letter + first;
+  const std::string second = entry.substr(comma + 1);
+  return letter + first + (first.size() + second.size() > 2 ? "_" : "") + second;
+}
+
+/// Why entries of M, c and g that a derivation shows as 0 are 0: the ledger's reasons. Each goes
+/// where its entry stands, those with the same reason together.
+void explainZeros(const scene::Scene& scene, symbolic::Derivation* derivation) {
+  const auto isZero = [](const symbolic::StepEquation& e) {
+    return e.right.kind == symbolic::Formula::Kind::kNumber && e.right.number == 0;
+  };
+  bool has_zeros = false;
+  for (const symbolic::Step& step : derivation->steps)
+    has_zeros = has_zeros || (!step.quantity.empty() &&
+                              (!step.zeros.empty() ||
+                               std::any_of(step.equations.begin(), step.equations.end(), isZero)));
+  if (!has_zeros) return;
+  const crosscheck::LedgerOptions options;
+  const crosscheck::EquationZeros zeros =
+      crosscheck::equationZeros(scene, options.seed, options.error_probability);
+  for (symbolic::Step& step : derivation->steps) {
+    if (step.quantity.empty()) continue;
+    std::vector<std::string> shown = step.zeros;
+    for (const symbolic::StepEquation& e : step.equations)
+      if (isZero(e)) shown.push_back(e.left.symbol);
+    bool is_explained = false;
+    for (const crosscheck::Ledger::Zeros& of : zeros.of)
+      for (const crosscheck::Ledger::Zeros::Group& group : of.groups) {
+        std::vector<std::string> names;
+        for (const std::string& entry : group.entries)
+          if (const auto at = std::find(shown.begin(), shown.end(), lineName(entry));
+              of.quantity != "c_ijk" && at != shown.end())
+            names.push_back(*at);
+        if (names.empty()) continue;
+        is_explained = true;
+        step.remarks.push_back(fmt::format("{} = 0: {}", fmt::join(names, " = "), group.reason));
+        for (const std::string& name : names)
+          step.zeros.erase(std::remove(step.zeros.begin(), step.zeros.end(), name),
+                           step.zeros.end());
+      }
+    if (!is_explained) continue;
+    step.check += fmt::format(
+        "; reasons of zeros: each rule at random points modulo primes (one that does not hold "
+        "passes with a chance below {:.0g})",
+        zeros.error_probability);
+    for (const std::string& dispute : zeros.disputes) {
+      step.check += "; " + dispute;
+      step.holds = false;
+    }
+  }
+}
+
+/// "q1=theta"
+std::vector<std::pair<std::string, std::string>> pairsOf(const std::vector<std::string>& words) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& word : words) {
+    const std::size_t sign = word.find('=');
+    if (sign == std::string::npos || sign == 0 || sign + 1 == word.size())
+      throw scene::InputError(
+          {}, fmt::format("--rename: read '{}', allowed: q1=NAME, such as q1=theta", word));
+    pairs.emplace_back(word.substr(0, sign), word.substr(sign + 1));
+  }
+  return pairs;
+}
+
+std::string quantityOf(const ShownDerivation& asked) {
+  static const std::vector<std::string> kAllowed = {"M", "c", "g", "all"};
+  const std::string quantity = asked.quantities[0];
+  if (asked.quantities.size() != 1 ||
+      std::find(kAllowed.begin(), kAllowed.end(), quantity) == kAllowed.end())
+    throw scene::InputError(
+        {}, fmt::format("--quantity: read '{}', allowed for a derivation: one of M, c, g, all; "
+                        "others are code: --format c, python, matlab, julia",
+                        fmt::join(asked.quantities, ",")));
+  return quantity;
+}
+
+}  // namespace
+
+DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& asked) {
+  const std::string quantity = quantityOf(asked);
+  const auto names = pairsOf(asked.names);
+  scene::Scene changed = scene;
+  if (!asked.substitutions.empty())
+    changed.mechanism = scene::substituted(scene.mechanism, asked.substitutions);
+  symbolic::Derivation shown = symbolic::derivation(changed.mechanism, asked.linearized);
+  if (!asked.beside.empty()) crosscheck::addNewtonEuler(&shown);
+  DerivationText out;
+  out.holds = shown.holds();
+  if (quantity != "all") shown = symbolic::onlyQuantity(shown, quantity);
+  if (!asked.only.empty()) shown = symbolic::only(shown, asked.only);
+  explainZeros(changed, &shown);
+  out.holds = out.holds && shown.holds();
+  if (!names.empty()) shown = symbolic::renamed(shown, names);
+  if (!asked.substitutions.empty() && !shown.steps.empty())
+    shown.steps.front().sentence +=
+        fmt::format(" Put in: {}.", fmt::join(asked.substitutions, ", "));
+
+  const symbolic::Style style = asked.format == "html"    ? symbolic::Style::kMathml
+                                : asked.format == "latex" ? symbolic::Style::kLatex
+                                                          : symbolic::Style::kText;
+  const std::string body = symbolic::print(shown, style, asked.checks),
+                    title = symbolic::printText(scene.title, style);
+  out.text = style == symbolic::Style::kText     ? body
+             : style == symbolic::Style::kMathml ? htmlPage(scene, body)
+                                                 : latexDocument(title, body);
+  if (!asked.proof) return out;
+  const symbolic::ReadBack read = symbolic::readBack(shown, out.text, style);
+  out.problem = read.problem;
+  out.proof = fmt::format(
+      "read back from what is printed: {} formulas are what was derived, at {} random "
+      "points modulo 2^61 - 1 (another formula passes with a chance below {:.0g})\n",
+      read.formulas, read.points, symbolic::kReadBackChance);
+  return out;
+}
+
+}  // namespace dynwitness::cli
