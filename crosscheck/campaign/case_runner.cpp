@@ -84,7 +84,7 @@ void addFailure(const RandomCampaign::Failure& failure, const CampaignOptions& o
 Json mechanismRecord(const CampaignPart& part, int index, const CampaignOptions& options) {
   const scene::Scene scene =
       randomWholeScene(options.exact.seed, static_cast<std::uint64_t>(index), part.most_joints);
-  const RandomCampaign found = crosscheckRandomOf({index}, part.most_joints, options);
+  const RandomCampaign found = crosscheckDrawn(scene, index, part.most_joints, options);
   const auto [depth, branches] = depthAndBranches(scene.mechanism);
   Json record{{"name", scene.name},
               {"verdict", name(found.failures.empty() ? Verdict::kAgree : Verdict::kDisagree)},
