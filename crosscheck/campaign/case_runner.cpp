@@ -245,14 +245,6 @@ std::string CaseRunner::line(long number) const {
                     besides.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-std::string CaseRunner::record(long number) const {
-  std::string text = line(number);
-  text.pop_back();
-  SealedLine parts;
-  opened(text, &parts);
-  return std::string(parts.record);
-}
-
 std::string CaseRunner::lineOfFailed(long number, const std::string& problem,
                                      double seconds) const {
   const Json record{{"case", number},

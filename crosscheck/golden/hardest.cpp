@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -132,7 +133,12 @@ Hardest hardestStates(const scene::Scene& scene, const HardestOptions& options) 
     std::vector<Witness*> asked;
     std::vector<WorstState> found;  // one an engine
     const auto loss = [&](Witness& engine, const State& state) {
-      return lossOf(engine.value(quantity, state), truths(quantity, state));
+      try {
+        return lossOf(engine.value(quantity, state), truths(quantity, state));
+      } catch (
+          const std::runtime_error&) {  // it says that it has none, and does not answer wrongly
+        return 0.0;
+      }
     };
     for (const auto& engine : engines) {
       if (engine->answers(quantity)) {
