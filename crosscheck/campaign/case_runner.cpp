@@ -64,6 +64,15 @@ Json kindsOf(const scene::Mechanism& m) {
   return kinds;
 }
 
+/// Of failures, which are checks that disagree or that are not answerable.
+Verdict verdictOf(const std::vector<RandomCampaign::Failure>& failures) {
+  Verdict out = Verdict::kAgree;
+  for (const RandomCampaign::Failure& failure : failures)
+    for (const CheckResult& check : failure.checks)
+      if (out != Verdict::kDisagree) out = check.verdict;
+  return out;
+}
+
 void addFailure(const RandomCampaign::Failure& failure, const CampaignOptions& options,
                 Json* record) {
   const std::string cause = causeOf(failure.checks.front());
@@ -87,7 +96,7 @@ Json mechanismRecord(const CampaignPart& part, int index, const CampaignOptions&
   const RandomCampaign found = crosscheckDrawn(scene, index, part.most_joints, options);
   const auto [depth, branches] = depthAndBranches(scene.mechanism);
   Json record{{"name", scene.name},
-              {"verdict", name(found.failures.empty() ? Verdict::kAgree : Verdict::kDisagree)},
+              {"verdict", name(verdictOf(found.failures))},
               {"rates", scene.mechanism.dof()},
               {"depth", depth},
               {"branches", branches},

@@ -278,6 +278,22 @@ BOOST_AUTO_TEST_CASE(the_sum_counts_what_the_mechanisms_are) {
   BOOST_TEST(sum.mechanisms_that_agree == 23);
 }
 
+BOOST_AUTO_TEST_CASE(what_a_campaign_has_found_stays_mended) {
+  const files::TemporaryFolder folder;
+  const auto verdict = [&](int mechanism) {
+    const CampaignPlan plan =
+        planOf(folder.path,
+               "title = \"one\"\nseed = 19\n[[cases]]\nof = \"mechanisms\"\ncount = 1\nfirst = " +
+                   std::to_string(mechanism) + "\n");
+    const auto record = nlohmann::json::parse(CaseRunner(plan, {}).line(0)).at("record");
+    return record.at("verdict").get<std::string>();
+  };
+  // a slider on the world beside a floating link that is held
+  BOOST_TEST(verdict(2472) == "agree");
+  // a degree beyond the field disagrees with nothing
+  BOOST_TEST(verdict(1043) == "not answerable");
+}
+
 BOOST_AUTO_TEST_CASE(draws_prefer_mechanisms_with_rare_pairs) {
   const files::TemporaryFolder folder;
   const auto covered = [&](const std::string& draws) {
