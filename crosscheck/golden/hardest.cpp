@@ -65,8 +65,8 @@ double allowedDigits(const GoldenAnswer& answer) {
   return digitsOf(answer.limit.maxCoeff() / answer.value.cwiseAbs().maxCoeff());
 }
 
-/// Each engine's hardest state of all that were found, whoever was asked there: what is hard for one
-/// often is for others, and their searches have missed it.
+/// Each engine's hardest state of all that were found, whoever was asked there: what is hard for
+/// one often is for others, and their searches have missed it.
 template <typename LossOf>
 void addGroup(Quantity quantity, const std::vector<Witness*>& engines,
               const std::vector<WorstState>& found, const LossOf& lossAt, Hardest* out) {
