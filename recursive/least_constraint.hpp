@@ -94,7 +94,8 @@ void baseConstrainedDynamics(const Model<T>& model, const std::vector<JointPosit
   *force = best.force;
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const LinkModel<T>& link = model.links[i];
-    ws.a[i] = link.parent < 0 ? known : ws.X_up[i] * ws.a[link.parent] + ws.c[i];
+    // others may stand on the world beside the base
+    ws.a[i] = ws.X_up[i] * (link.parent < 0 ? a_0 : ws.a[link.parent]) + ws.c[i];
     for (int k = AnyJoints::axes(link) - 1, d = link.dof + k; k >= 0; --k, --d) {
       qdd[d] = i == 0 ? best.a(k) : T((ws.u[d] - dot(ws.a[i], ws.U[d])) / ws.D[d]);
       AnyJoints::addMotion(link, k, qdd[d], ws.a[i]);

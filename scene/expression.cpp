@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "scene/rational_signs.hpp"
+
 namespace dynwitness::scene {
 namespace {
 
@@ -66,11 +68,6 @@ Bracket bracket(const Exact& x, unsigned bits) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-/// x == 0, which Boost 1.74 finds by divisions.
-bool isZero(const Rational& x) {
-  return numerator(x).is_zero();
-}
-
 /// The double nearest to a rational, ties to even; infinite beyond the range of double.
 double nearestDouble(const Rational& x) {
   Integer n = numerator(x);
@@ -120,15 +117,16 @@ bool isReserved(std::string_view name) {
 /// "0.125" for 1/8; empty when the decimal does not end or is long.
 std::string terminatingDecimal(const Rational& x) {
   const unsigned kLongest = 40;
-  for (unsigned places = 0; places <= kLongest; ++places) {
-    const Rational shifted = x * powerOfTen(places);
-    if (denominator(shifted) != 1) continue;
-    std::string digits = numerator(shifted).str();
-    if (places == 0) return digits;
-    if (digits.size() <= places) digits.insert(0, places + 1 - digits.size(), '0');
-    return digits.insert(digits.size() - places, ".");
-  }
-  return {};
+  const unsigned twos = lsb(bottom(x));  // 2^twos 5^fives divides the denominator
+  Integer rest = bottom(x) >> twos;
+  unsigned fives = 0;
+  for (; rest != 1 && rest % 5 == 0; rest /= 5) ++fives;
+  const unsigned places = std::max(twos, fives);
+  if (rest != 1 || places > kLongest) return {};
+  std::string digits = numerator(Rational(x * powerOfTen(places))).str();
+  if (places == 0) return digits;
+  if (digits.size() <= places) digits.insert(0, places + 1 - digits.size(), '0');
+  return digits.insert(digits.size() - places, ".");
 }
 
 }  // namespace
@@ -395,7 +393,7 @@ Expression::Expression() : node_(nullptr) {
 // just as if they had been read, so that text() and parse() are inverse for built numbers too.
 Expression::Expression(Rational value) : node_(nullptr) {
   using Build = ExpressionParser;
-  if (value < 0) {
+  if (isNegative(value)) {
     *this = Build::operation(Kind::kNegate, Expression(Rational(-value)));
     return;
   }

@@ -3,11 +3,14 @@
 // scalar.
 #include "scene/numbers.hpp"
 
+#include "scene/rational_signs.hpp"
+
 namespace dynwitness::scene {
 
 bool isQuarterTurn(const Exact& angle, int* k) {
+  if (!isZero(angle.rational)) return false;
   const Rational turns = angle.pi_multiple * 2;
-  if (angle.rational != 0 || denominator(turns) != 1) return false;
+  if (bottom(turns) != 1) return false;
   *k = static_cast<int>(Integer(numerator(turns) % 4));
   return true;
 }
@@ -15,7 +18,7 @@ bool isQuarterTurn(const Exact& angle, int* k) {
 template <>
 long double fromExact<long double>(const Exact& x) {
   auto value = x.rational.convert_to<long double>();
-  if (x.pi_multiple != 0)
+  if (!isZero(x.pi_multiple))
     value += x.pi_multiple.convert_to<long double>() * boost::math::constants::pi<long double>();
   return value;
 }

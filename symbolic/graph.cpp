@@ -4,7 +4,21 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "scene/rational_signs.hpp"
+
 namespace dynwitness::symbolic {
+namespace {
+
+using scene::isNegative;
+using scene::isUnit;
+
+/// The node that scaled() finds, without its factor.
+Node withoutFactor(const Graph& graph, Node n) {
+  if (graph.op(n) == Op::kNegate) n = graph.left(n);
+  return graph.op(n) == Op::kMultiply && graph.isConstant(graph.left(n)) ? graph.right(n) : n;
+}
+
+}  // namespace
 
 std::size_t Graph::KeyHash::operator()(const Key& k) const {
   std::uint64_t h = 1469598103934665603u;
@@ -32,9 +46,14 @@ Node Graph::operation(Op op, Node a, Node b, int joint) {
 }
 
 Node Graph::constant(const Rational& value) {
-  const auto [it, is_new] = constant_index_.try_emplace(value, static_cast<int>(constants_.size()));
-  if (is_new) constants_.push_back(value);
-  return intern(Op::kConstant, 0, it->second, 0, false);
+  // looked for by hand, since the map would divide to compare
+  const std::size_t bucket = constant_index_.bucket(value);
+  for (auto it = constant_index_.begin(bucket); it != constant_index_.end(bucket); ++it)
+    if (scene::areEqual(it->first, value)) return intern(Op::kConstant, 0, it->second, 0, false);
+  const auto added = static_cast<int>(constants_.size());
+  constants_.push_back(value);
+  constant_index_.emplace(value, added);
+  return intern(Op::kConstant, 0, added, 0, false);
 }
 
 Node Graph::atom(const Atom& atom) {
@@ -79,18 +98,21 @@ Graph::Scaled Graph::scaled(Node n) const {
 }
 
 Node Graph::scale(const Rational& factor, Node n) {
+  if (scene::isZero(factor) || isZero(n)) return {};
+  if (isUnit(factor) && !isNegative(factor)) return n;
   if (isConstant(n)) return constant(factor * value(n));
   const Scaled inner = scaled(n);
-  const Rational f = factor * inner.factor;
-  if (f == 0) return {};
-  if (f == 1) return inner.node;
-  if (f == -1) return operation(Op::kNegate, inner.node, {});
+  const Rational f = isUnit(inner.factor) ? (isNegative(inner.factor) ? Rational(-factor) : factor)
+                                          : Rational(factor * inner.factor);
+  if (scene::isZero(f)) return {};
+  if (isUnit(f)) return isNegative(f) ? operation(Op::kNegate, inner.node, {}) : inner.node;
   const Node x = inner.node;
   if (op(x) == Op::kMultiply && dependsOnState(x) && !dependsOnState(left(x)))
     return multiply(scale(f, left(x)), right(x));
   // the sign stays outside, where the next sum or product takes it up
-  const Node product = operation(Op::kMultiply, constant(f < 0 ? Rational(-f) : f), x);
-  return f < 0 ? operation(Op::kNegate, product, {}) : product;
+  const bool negative = isNegative(f);
+  const Node product = operation(Op::kMultiply, constant(negative ? Rational(-f) : f), x);
+  return negative ? operation(Op::kNegate, product, {}) : product;
 }
 
 Node Graph::negate(Node a) {
@@ -120,9 +142,8 @@ Node Graph::add(Node a, Node b) {
   if (isConstant(a) && isConstant(b)) return constant(value(a) + value(b));
 
   // r x + s x = (r + s) x
-  const Scaled scaled_a = scaled(a), scaled_b = scaled(b);
-  if (scaled_a.node == scaled_b.node)
-    return scale(scaled_a.factor + scaled_b.factor, scaled_a.node);
+  if (const Node x = withoutFactor(*this, a); x == withoutFactor(*this, b))
+    return scale(scaled(a).factor + scaled(b).factor, x);
 
   bool negative_a = false, negative_b = false;
   a = withoutSign(a, &negative_a);
@@ -179,8 +200,8 @@ Node Graph::multiply(Node a, Node b) {
     const bool both_fixed = !dependsOnState(a) && !dependsOnState(b);
     const Scaled scaled_a = both_fixed ? scaled(a) : Scaled{1, a};
     const Scaled scaled_b = both_fixed ? scaled(b) : Scaled{1, b};
-    const Rational factor = scaled_a.factor * scaled_b.factor;
-    if (factor != 1) {
+    const Rational factor = both_fixed ? Rational(scaled_a.factor * scaled_b.factor) : Rational(1);
+    if (!isUnit(factor) || isNegative(factor)) {
       result = scale(factor, multiply(scaled_a.node, scaled_b.node));
     } else if (op(a) == Op::kInverse && left(a) == b) {
       result = constant(1);
@@ -204,7 +225,7 @@ Node Graph::inverse(Node a) {
 Node Graph::turn(int joint, Node a, Node b) {
   if (isZero(a)) return multiply(input(Input::kSin, joint), b);
   if (isZero(b)) return multiply(input(Input::kCos, joint), a);
-  if (op(a) == Op::kNegate || (isConstant(a) && value(a) < 0))
+  if (op(a) == Op::kNegate || (isConstant(a) && isNegative(value(a))))
     return negate(operation(Op::kTurn, negate(a), negate(b), joint));
   return operation(Op::kTurn, a, b, joint);
 }

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "scene/rational_signs.hpp"
+
 namespace dynwitness::symbolic {
 namespace {
 
@@ -18,7 +20,7 @@ struct NodeAlgebra {
   }
   Value exact(const scene::Exact& x) const {
     Value value = number(x.rational);
-    if (x.pi_multiple != 0) value += number(x.pi_multiple) * pi();
+    if (!scene::isZero(x.pi_multiple)) value += number(x.pi_multiple) * pi();
     return value;
   }
   Value parameter(const std::string& name) const {
@@ -32,11 +34,12 @@ bool squareRoot(const Rational& square, Rational* root) {
   const scene::Integer n = sqrt(scene::Integer(numerator(square)));
   const scene::Integer d = sqrt(scene::Integer(denominator(square)));
   *root = Rational(n, d);
-  return *root * *root == square;
+  return scene::areEqual(*root * *root, square);
 }
 
 std::string exactText(const scene::Exact& x) {
-  return x.rational.str() + (x.pi_multiple == 0 ? "" : " + " + x.pi_multiple.str() + " pi");
+  return x.rational.str() +
+         (scene::isZero(x.pi_multiple) ? "" : " + " + x.pi_multiple.str() + " pi");
 }
 
 }  // namespace
@@ -69,7 +72,7 @@ scene::CosSin<Value> NodeNumbers::angle(const scene::Number& radians) {
       const auto turns = scene::quarterTurns<int>(quarter);
       return {constant(graph_, turns.c), constant(graph_, turns.s)};
     }
-    const bool is_negative = exact.approximation() < 0;
+    const bool is_negative = scene::isNegative(exact);
     if (is_negative) exact = {-exact.rational, -exact.pi_multiple};
     const auto it = angles_.emplace(exactText(exact), std::pair(radians, is_negative)).first;
     written = it->second.first;
@@ -88,7 +91,7 @@ NodeNumbers::AlongCoordinate NodeNumbers::alongCoordinate(const scene::Vector& a
   for (int i = 0; i < 3; ++i)
     // the sign of a symbol is not known here: only a number may say that the axis is reversed
     if (isZero(axis[(i + 1) % 3]) && isZero(axis[(i + 2) % 3]) && isExact(axis[i]))
-      return {i, exactValue(axis[i], values_).approximation() < 0};
+      return {i, scene::isNegative(exactValue(axis[i], values_))};
   return {};
 }
 

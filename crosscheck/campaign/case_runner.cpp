@@ -64,6 +64,15 @@ Json kindsOf(const scene::Mechanism& m) {
   return kinds;
 }
 
+/// Of failures, which are checks that disagree or that are not answerable.
+Verdict verdictOf(const std::vector<RandomCampaign::Failure>& failures) {
+  Verdict out = Verdict::kAgree;
+  for (const RandomCampaign::Failure& failure : failures)
+    for (const CheckResult& check : failure.checks)
+      if (out != Verdict::kDisagree) out = check.verdict;
+  return out;
+}
+
 void addFailure(const RandomCampaign::Failure& failure, const CampaignOptions& options,
                 Json* record) {
   const std::string cause = causeOf(failure.checks.front());
@@ -84,10 +93,10 @@ void addFailure(const RandomCampaign::Failure& failure, const CampaignOptions& o
 Json mechanismRecord(const CampaignPart& part, int index, const CampaignOptions& options) {
   const scene::Scene scene =
       randomWholeScene(options.exact.seed, static_cast<std::uint64_t>(index), part.most_joints);
-  const RandomCampaign found = crosscheckRandomOf({index}, part.most_joints, options);
+  const RandomCampaign found = crosscheckDrawn(scene, index, part.most_joints, options);
   const auto [depth, branches] = depthAndBranches(scene.mechanism);
   Json record{{"name", scene.name},
-              {"verdict", name(found.failures.empty() ? Verdict::kAgree : Verdict::kDisagree)},
+              {"verdict", name(verdictOf(found.failures))},
               {"rates", scene.mechanism.dof()},
               {"depth", depth},
               {"branches", branches},
@@ -243,14 +252,6 @@ std::string CaseRunner::line(long number) const {
   if (!said.empty()) besides["said"] = said;
   return sealedLine(record.dump(-1, ' ', false, Json::error_handler_t::replace),
                     besides.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
-std::string CaseRunner::record(long number) const {
-  std::string text = line(number);
-  text.pop_back();
-  SealedLine parts;
-  opened(text, &parts);
-  return std::string(parts.record);
 }
 
 std::string CaseRunner::lineOfFailed(long number, const std::string& problem,

@@ -35,9 +35,8 @@ class CaseRunner {
   /// @param kinds    witnesses of mechanisms; empty: all that are not compiled
   CaseRunner(CampaignPlan plan, std::filesystem::path program, std::vector<WitnessKind> kinds = {});
 
-  /// The record. What the case throws is its verdict, "failed", but for want of memory.
-  std::string record(long number) const;
   /// The line of a ledger: the record, how long it took, and what a command has said that failed.
+  /// What the case throws is its verdict, "failed", but for want of memory.
   std::string line(long number) const;
   /// The line of a case whose process ended.
   std::string lineOfFailed(long number, const std::string& problem, double seconds) const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -109,6 +110,26 @@ std::vector<int> pairsOfHex(const std::string& digits) {
   return pairs;
 }
 
+/// By pair: its two features.
+std::vector<std::pair<std::string, std::string>> featuresOfPairs() {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const PairRelation relation : kAllPairRelations)
+    for (const char* row : PairTable::rows(relation))
+      for (const char* column : PairTable::columns(relation)) out.emplace_back(row, column);
+  return out;
+}
+
+/// Features of a mechanism.
+std::set<std::string> termsOf(const std::vector<int>& pairs) {
+  static const auto kFeatures = featuresOfPairs();
+  std::set<std::string> terms;
+  for (const int pair : pairs) {
+    terms.insert(kFeatures[static_cast<std::size_t>(pair)].first);
+    terms.insert(kFeatures[static_cast<std::size_t>(pair)].second);
+  }
+  return terms;
+}
+
 void addMechanism(const Json& record, CampaignSum* sum) {
   const bool agrees = record.at("verdict") == "agree";
   ++sum->mechanisms;
@@ -123,8 +144,10 @@ void addMechanism(const Json& record, CampaignSum* sum) {
   ++met.rates[record.at("rates").get<int>()];
   ++met.depths[record.at("depth").get<int>()];
   ++met.branches[record.at("branches").get<int>()];
-  met.pairs.add(record.at("name").get<std::string>(),
-                pairsOfHex(record.at("pairs").get<std::string>()));
+  const std::vector<int> pairs = pairsOfHex(record.at("pairs").get<std::string>());
+  met.pairs.add(record.at("name").get<std::string>(), pairs);
+  if (agrees)
+    for (const std::string& term : termsOf(pairs)) ++met.terms[term];
 }
 
 void addRecord(const std::string& text, CampaignSum* sum) {
@@ -225,9 +248,12 @@ GatheredLedgers gatherLedgers(const std::vector<fs::path>& folders) {
   return out;
 }
 
+double shareAtMostOf(long agreeing) {
+  return agreeing == 0 ? 1 : -std::expm1(std::log(0.05) / static_cast<double>(agreeing));
+}
+
 double CampaignSum::shareAtMost() const {
-  if (mechanisms == 0 || mechanisms_that_agree < mechanisms) return 1;
-  return -std::expm1(std::log(0.05) / static_cast<double>(mechanisms));
+  return mechanisms_that_agree < mechanisms ? 1 : shareAtMostOf(mechanisms);
 }
 
 bool CampaignSum::isRight() const {
@@ -273,11 +299,13 @@ std::string campaignSumJson(const GatheredLedgers& gathered, const CampaignSum& 
   for (const auto& [of, verdicts] : sum.of)
     for (const auto& [verdict, count] : verdicts)
       json["verdicts"].push_back({{"of", of}, {"verdict", verdict}, {"count", count}});
-  json["coverage"] = {{"kinds", listOf(met.kinds, "kind")},
-                      {"rates", listOf(met.rates, "rates")},
-                      {"depths", listOf(met.depths, "depth")},
-                      {"branches", listOf(met.branches, "branch")},
-                      {"pairs", Json::parse(pairsJson(met.pairs))}};
+  json["coverage"] = {
+      {"kinds", listOf(met.kinds, "kind")},         {"rates", listOf(met.rates, "rates")},
+      {"depths", listOf(met.depths, "depth")},      {"branches", listOf(met.branches, "branch")},
+      {"pairs", Json::parse(pairsJson(met.pairs))}, {"terms", Json::array()}};
+  for (const auto& [term, count] : met.terms)
+    json["coverage"]["terms"].push_back(
+        {{"term", term}, {"mechanisms", count}, {"share_at_most", shareAtMostOf(count)}});
   json["causes"] = Json::array();
   for (const auto& [text, cause] : sum.causes)
     json["causes"].push_back({{"cause", text},
@@ -310,6 +338,11 @@ std::string describeSum(const GatheredLedgers& gathered, const CampaignSum& sum)
     for (const PairRelation relation : kAllPairRelations)
       wanted += met.pairs.wanted(relation), covered += met.pairs.covered(relation);
     text += fmt::format("\npairs of features that occurred: {} of {} wanted\n", covered, wanted);
+    text +=
+        "mechanisms that agree by what they have, and the share of such mechanisms whose formulas "
+        "differ, at most (95 %):\n";
+    for (const auto& [term, count] : met.terms)
+      text += fmt::format("  {:34} {:7}  {:.1e}\n", term, count, shareAtMostOf(count));
     if (sum.shareAtMost() < 1)
       text += fmt::format(
           "of all mechanisms that are drawn like these at most {:.2g} have formulas that differ, "

@@ -39,7 +39,14 @@ struct CampaignCoverage {
   std::map<std::string, long> kinds;            ///< joints by kind
   std::map<int, long> rates, depths, branches;  ///< mechanisms by them
   PairTable pairs;
+  /// Mechanisms that agree and have this feature, and with it the terms that it brings into the
+  /// equations. (All features of one stand in pairs, since it has gravity or has none.)
+  std::map<std::string, long> terms;
 };
+
+/** Where n independent draws agree: at most this share of all that are drawn so would not, said
+    with 95 % confidence; the p with (1 - p)^n = 0.05. 1 for none. */
+double shareAtMostOf(long agreeing);
 
 struct CampaignSum {
   long cases = 0;
@@ -59,9 +66,8 @@ struct CampaignSum {
   };
   std::map<std::string, Cause> causes;
 
-  /** Where all of n mechanisms agree: at most this share of all mechanisms that are drawn so would
-      show two different formulas, said with 95 % confidence; the p with (1 - p)^n = 0.05. 1 where
-      one disagrees. */
+  /// Of mechanisms whose formulas differ: shareAtMostOf() all that were drawn; 1 where one
+  /// disagrees.
   double shareAtMost() const;
   bool isRight() const;  ///< nothing disagrees or failed
 };

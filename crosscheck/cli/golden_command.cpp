@@ -17,8 +17,10 @@
 #include "crosscheck/diagnosis/examine.hpp"
 #include "crosscheck/golden/golden.hpp"
 #include "crosscheck/golden/golden_files.hpp"
+#include "crosscheck/golden/hardest.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
+#include "crosscheck/witnesses/witnesses.hpp"
 #include "scene/scene.hpp"
 #include "scene/text_file.hpp"
 
@@ -40,7 +42,7 @@ constexpr const char* kVerifiers[] = {"verify.py", "verify.cpp", "verify.mjs"};
 
 struct Arguments {
   std::vector<std::string> scenes, quantities, formats;
-  bool all = false;
+  bool all = false, hardest = false;
   GivenScene given;  ///< without a name
   std::string output;
   GoldenOptions options;
@@ -119,11 +121,29 @@ Golden made(const scene::Scene& scene, const GoldenOptions& options,
   return golden;
 }
 
+/// All present but those for which code is compiled.
+Hardest hardestOf(const scene::Scene& scene, const GoldenOptions& options) {
+  HardestOptions asked{options.quantities, {}, options.seed};
+  for (const WitnessKind& kind : witnessKinds())
+    if (kind.info.present && !kind.is_compiled) asked.engines.push_back(kind);
+  return hardestStates(scene, asked);
+}
+
+constexpr const char* kHardestHead =
+    "# What each engine loses at worst\n\n"
+    "Decimal digits of the largest entry that are right, the truth being certified: at half of the "
+    "states that are drawn, and at the hardest one that a seeded search found; and what the limits "
+    "leave there to a program of the usual kinds. The states are golden vectors, in the files "
+    "beside. `dynwitness golden SCENE --hardest -o FOLDER` writes all of this again.\n\n"
+    "| scene | quantity | engine | usual | worst | limit | state |\n|---|---|---|---|---|---|---|\n";
+
 int run(Arguments arguments) {
   for (const std::string& quantity : arguments.quantities)
     arguments.options.quantities.push_back(quantityNamed(quantity));
   const std::vector<Format> formats = formatsOf(arguments);
   const Admitted admitted = admitAll(arguments);
+  if (arguments.hardest && arguments.output.empty())
+    refuse("--hardest on standard output, allowed: a folder (-o)");
   if (arguments.output.empty()) {
     if (admitted.scenes.size() > 1 || formats.size() > 1)
       refuse("several scenes or formats on standard output, allowed: one, or a folder (-o)");
@@ -143,12 +163,20 @@ int run(Arguments arguments) {
     verifiers.emplace_back(
         file, scene::readTextFile(scene::dataFolder() / "golden" / file, "a verifier"));
   Json scenes = Json::object();
+  std::string table = kHardestHead;
   {
     Progress progress(static_cast<int>(admitted.scenes.size()));
     for (std::size_t k = 0; k < admitted.scenes.size(); ++k) {
       const scene::Scene& scene = admitted.scenes[k];
       progress.stage(scene.name);
-      const Golden golden = made(scene, arguments.options, admitted.left_out[k]);
+      Golden golden;
+      if (arguments.hardest) {
+        Hardest hardest = hardestOf(scene, arguments.options);
+        table += hardestTable(hardest);
+        golden = std::move(hardest.golden);
+      } else {
+        golden = made(scene, arguments.options, admitted.left_out[k]);
+      }
       Json files = Json::array();
       fs::create_directories(folder);
       for (const Format& format : formats) {
@@ -163,6 +191,7 @@ int run(Arguments arguments) {
     }
   }
   for (const auto& [file, text] : verifiers) writeWholeFile(folder / file, text);
+  if (arguments.hardest) writeWholeFile(folder / "hardest.md", table);
   const Json index = {{"dynwitness", DYNWITNESS_VERSION},
                       {"seed", arguments.options.seed},
                       {"verifiers", kVerifiers},
@@ -181,6 +210,10 @@ Run addGolden(CLI::App* command) {
   for (CLI::Option* change : addChanges(*command, arguments->given)) change->needs(scenes);
   command->add_flag("--all-scenes", arguments->all,
                     "All bundled scenes; those that cannot be told are named");
+  command->add_flag(
+      "--hardest", arguments->hardest,
+      "For each engine and quantity (M, c, g, tau, qdd, or those of --quantity) the state at "
+      "which a seeded search found the fewest digits, and a table of what each loses");
   std::vector<std::string> quantities, formats;
   for (const Quantity quantity : kGoldenQuantities) quantities.push_back(name(quantity));
   for (const Format& format : kFormats) formats.push_back(format.name);

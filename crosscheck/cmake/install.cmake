@@ -33,7 +33,7 @@ if(reader_programs)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
                   ${PROJECT_SOURCE_DIR}/data/audit ${PROJECT_SOURCE_DIR}/data/engines
-                  ${PROJECT_SOURCE_DIR}/data/golden
+                  ${PROJECT_SOURCE_DIR}/data/golden ${PROJECT_SOURCE_DIR}/data/hardest
                   ${PROJECT_SOURCE_DIR}/data/museum
         DESTINATION ${data})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CITATION.cff

@@ -85,11 +85,13 @@ bool checkInDouble(const PreparedScene& scene, const CampaignOptions& options,
   return refused;
 }
 
-void checkOne(int index, int max_joints, const CampaignOptions& options, RandomCampaign& campaign) {
+/// @param scene  the mechanism of this index
+void checkOne(scene::Scene scene, int index, int max_joints, const CampaignOptions& options,
+              RandomCampaign& campaign) {
   const auto keep = [&campaign](RandomCampaign::Failure failure) {
     if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
   };
-  RandomCampaign::Failure failure{randomWholeScene(options.exact.seed, index, max_joints), {}, {}};
+  RandomCampaign::Failure failure{std::move(scene), {}, {}};
   const PreparedScene prepared(failure.scene);
   checkExactly(prepared, options.exact, campaign, failure);
   ++campaign.mechanisms;
@@ -143,8 +145,12 @@ RandomCampaign campaignOver(int count, const std::function<int(int)>& index_of, 
       processes, (count - 1) / block_size + 1,
       [&](int block) {
         RandomCampaign part;
-        for (int i = 0; i < size(block); ++i)
-          checkOne(index_of(block * block_size + i), max_joints, asked, part);
+        for (int i = 0; i < size(block); ++i) {
+          const int index = index_of(block * block_size + i);
+          checkOne(
+              randomWholeScene(asked.exact.seed, static_cast<std::uint64_t>(index), max_joints),
+              index, max_joints, asked, part);
+        }
         return archived(part);
       },
       [&](int block) {
@@ -170,6 +176,13 @@ RandomCampaign crosscheckRandomOf(const std::vector<int>& indices, int max_joint
   return campaignOver(
       static_cast<int>(indices.size()), [&](int k) { return indices[static_cast<std::size_t>(k)]; },
       max_joints, options, processes, progress);
+}
+
+RandomCampaign crosscheckDrawn(const scene::Scene& scene, int index, int max_joints,
+                               const CampaignOptions& options) {
+  RandomCampaign campaign;
+  checkOne(scene, index, max_joints, withWitnesses(options), campaign);
+  return campaign;
 }
 
 RandomCampaign::Failure disagreementsAbout(const scene::Scene& scene,

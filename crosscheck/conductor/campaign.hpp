@@ -62,6 +62,10 @@ RandomCampaign crosscheckRandomOf(const std::vector<int>& indices, int max_joint
                                   const CampaignOptions& options, int processes = 1,
                                   const std::function<void(int)>& progress = {});
 
+/// The same about the random mechanism of this index, which the caller has drawn.
+RandomCampaign crosscheckDrawn(const scene::Scene& scene, int index, int max_joints,
+                               const CampaignOptions& options);
+
 /// What does not agree about one mechanism of the caller's choice: exactly, and in double where
 /// that is asked for. Nobody is asked about another one instead.
 RandomCampaign::Failure disagreementsAbout(const scene::Scene& scene,

@@ -261,7 +261,7 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
   }
   symbolic::Options options;
   options.fold_parameters = parameters == Parameters::kAsWritten;
-  symbolic::Equations equations = symbolic::derive(derived_from, options);
+  symbolic::Equations equations = symbolic::deriveEnergies(derived_from, options);
   const symbolic::ClosureEquations derived =
       symbolic::closureEquations(derived_from, options, equations);
   std::vector<symbolic::Node> outputs = derived.phi;

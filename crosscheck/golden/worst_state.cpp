@@ -72,11 +72,17 @@ scene::State<double> plainState(const scene::Mechanism& mechanism, const std::st
 }
 
 WorstState worstState(const PreparedScene& scene, Quantity quantity, std::uint64_t seed) {
+  Loss loss(scene, quantity);
+  return worstState(scene, quantity, seed,
+                    [&loss](const scene::State<double>& state) { return loss(state); });
+}
+
+WorstState worstState(const PreparedScene& scene, Quantity quantity, std::uint64_t seed,
+                      const std::function<double(const scene::State<double>&)>& loss) {
   constexpr int kDraws = 64, kSteps = 192, kSizes = 9;
   const scene::Mechanism& mechanism = scene.mechanism();
   const std::vector<scene::SlotKind> slots = mechanism.slots();
   const std::string name = scene.scene().name + " worst " + crosscheck::name(quantity);
-  Loss loss(scene, quantity);
   WorstState worst;
   std::vector<double> drawn;
   for (int k = 0; k < kDraws; ++k) {

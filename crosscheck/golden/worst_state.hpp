@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "crosscheck/witnesses/prepared_scene.hpp"
@@ -26,6 +27,11 @@ struct WorstState {
     worse. Costs a fixed number of O(n) sweeps (O(n^3) for qdd). It proves nothing about states that
     it did not look at. */
 WorstState worstState(const PreparedScene& scene, Quantity quantity, std::uint64_t seed);
+
+/** The same of any loss, a share of what is asked for (0: nothing is lost, or nothing is there), at
+    the same draws and with the same steps. */
+WorstState worstState(const PreparedScene& scene, Quantity quantity, std::uint64_t seed,
+                      const std::function<double(const scene::State<double>&)>& loss);
 
 /// The state that is drawn for this index, its numbers rounded to multiples of 2^-10; quaternions
 /// are near length 1.

@@ -6,6 +6,7 @@
 
 #include "crosscheck/scalars/prime_field.hpp"
 #include "scene/mimic.hpp"
+#include "scene/rational_signs.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -25,15 +26,17 @@ scene::Integer floorOf(const scene::Rational& x) {
 
 ReducedAngle reduced(const scene::Exact& given) {
   scene::Exact angle = given;
-  if (angle.rational == 0)  // between -pi and pi, so that whole turns do not change the sign
+  if (scene::isZero(
+          angle.rational))  // between -pi and pi, so that whole turns do not change the sign
     angle.pi_multiple -= 2 * floorOf((angle.pi_multiple + 1) / 2);
-  ReducedAngle out{angle.rational < 0 || (angle.rational == 0 && angle.pi_multiple < 0), 0, false,
-                   angle};
+  ReducedAngle out{
+      scene::isNegative(scene::isZero(angle.rational) ? angle.pi_multiple : angle.rational), 0,
+      false, angle};
   if (out.negative) out.rest = {-angle.rational, -angle.pi_multiple};
   scene::Integer quarters = floorOf(out.rest.pi_multiple * 2);
   out.rest.pi_multiple -= scene::Rational(quarters, 2);
   // between pi/4 and pi/2: as far below pi/2
-  if (out.rest.rational == 0 && out.rest.pi_multiple > scene::Rational(1, 4)) {
+  if (scene::isZero(out.rest.rational) && out.rest.pi_multiple > scene::Rational(1, 4)) {
     out.rest.pi_multiple = scene::Rational(1, 2) - out.rest.pi_multiple;
     out.mirrored = true;
     ++quarters;
@@ -66,7 +69,7 @@ PrimeField FieldNumbers::operator()(const scene::Number& number) const {
   if (!isKnown(number)) return scene::evaluateIn<PrimeField>(number, Algebra{source_});
   const scene::Exact exact = exactly(number);
   const PrimeField value = source_.constant(exact.rational);
-  if (exact.pi_multiple == 0) return value;
+  if (scene::isZero(exact.pi_multiple)) return value;
   return value + source_.constant(exact.pi_multiple) * source_.element("pi");
 }
 
@@ -82,12 +85,13 @@ scene::AxisTurn<PrimeField> FieldNumbers::axisTurn(const scene::Vector& axis) co
   bool rational = true;
   for (int i = 0; i < 3; ++i) {
     v[i] = exactly(axis[i]);
-    is_zero[i] = isKnown(axis[i]) && v[i].isZero();
-    rational = rational && isKnown(axis[i]) && v[i].isRational();
+    const bool has_pi = !scene::isZero(v[i].pi_multiple);
+    is_zero[i] = isKnown(axis[i]) && !has_pi && scene::isZero(v[i].rational);
+    rational = rational && isKnown(axis[i]) && !has_pi;
   }
   if (is_zero[0] && is_zero[1] && is_zero[2])
     throw std::invalid_argument("axisTurn: axis: expected a non-zero vector");
-  const auto sign = [&](int i) { return PrimeField(v[i].approximation() < 0 ? -1 : 1); };
+  const auto sign = [&](int i) { return PrimeField(scene::isNegative(v[i]) ? -1 : 1); };
 
   // where components are zero the turns are quarter turns, whatever the others are
   const bool alpha_known = is_zero[0] || is_zero[1];
@@ -140,7 +144,7 @@ FieldNumbers::Point FieldNumbers::pointOf(const scene::Number& radians) const {
   if (!isKnown(radians)) return source_.circlePoint("angle " + radians.text());
   const ReducedAngle a = reduced(exactly(radians));
   Point point = scene::quarterTurns<PrimeField>(a.quarters);
-  if (!a.rest.isZero()) {
+  if (!scene::isZero(a.rest.rational) || !scene::isZero(a.rest.pi_multiple)) {
     point = source_.circlePoint("angle " + a.rest.rational.str() + " + " +
                                 a.rest.pi_multiple.str() + " pi");
     if (a.mirrored) point = mirrored(point);

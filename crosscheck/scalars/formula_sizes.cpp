@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/rational_signs.hpp"
+
 namespace dynwitness::crosscheck {
 namespace {
 
@@ -105,9 +107,9 @@ PrimeField FormulaSizes::constant(int value) {
 }
 
 PrimeField FormulaSizes::constant(const scene::Rational& value) {
-  if (value == 0) return {};
-  const double bits = bitsOf(numerator(value));
-  if (denominator(value) == 1) return made(0, bits, 0);
+  if (scene::isZero(value)) return {};
+  const double bits = bitsOf(scene::top(value));
+  if (scene::bottom(value) == 1) return made(0, bits, 0);
   // decimals are what scenes are made of: common powers of 2, 3, 5, and the rest as it is
   Powers powers;
   scene::Integer rest = denominator(value);

@@ -9,6 +9,7 @@
 
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/formula_sizes.hpp"
+#include "scene/rational_signs.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -17,9 +18,11 @@ namespace {
 PrimeField fromInteger(const scene::Integer& n) {
   if (n >= std::numeric_limits<int>::min() && n <= std::numeric_limits<int>::max())
     return static_cast<int>(n);
-  const scene::Integer magnitude = abs(n);
-  const auto residue =
-      static_cast<std::uint64_t>(scene::Integer(magnitude % PrimeField::modulus()));
+  std::uint64_t residue = 0;
+  if (const auto& limbs = n.backend(); limbs.size() == 1)
+    residue = *limbs.limbs() % PrimeField::modulus();
+  else
+    residue = static_cast<std::uint64_t>(scene::Integer(abs(n) % PrimeField::modulus()));
   const PrimeField element = PrimeField::fromResidue(residue);
   return n < 0 ? -element : element;
 }
@@ -59,8 +62,9 @@ PrimeField::PrimeField(int value) {
 
 PrimeField PrimeField::fromRational(const scene::Rational& value) {
   if (sizes_) return sizes_->constant(value);
-  const PrimeField top = fromInteger(numerator(value));
-  return denominator(value) == 1 ? top : top / fromInteger(denominator(value));
+  const PrimeField top = fromInteger(scene::top(value));
+  const scene::Integer& bottom = scene::bottom(value);
+  return bottom == 1 ? top : top / fromInteger(bottom);
 }
 
 PrimeField PrimeField::inverse() const {

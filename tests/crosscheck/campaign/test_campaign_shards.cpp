@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -251,19 +252,46 @@ BOOST_AUTO_TEST_CASE(the_sum_counts_what_the_mechanisms_are) {
   run(plan, folder.path / "x", 1, 1);
   const CampaignSum sum = writeMerged(gatherLedgers({folder.path / "x"}), folder.path / "result");
   PairTable pairs;
-  std::map<std::string, long> kinds;
+  std::map<std::string, long> kinds, with;
   for (unsigned k = 0; k < 23; ++k) {
     const scene::Scene scene = randomWholeScene(1, k, 2);
+    const auto& links = scene.mechanism.links;
+    with["no gravity"] += scene.mechanism.has_gravity ? 0 : 1;
+    with["spring"] += std::any_of(links.begin(), links.end(), [](const scene::Link& link) {
+      return !link.joint.stiffness.isLiteralZero();
+    });
     pairs.add(scene);
     for (std::size_t i = 1; i < scene.mechanism.links.size(); ++i)
       ++kinds[scene::name(scene.mechanism.links[i].joint.kind)];
   }
   BOOST_TEST((sum.coverage.kinds == kinds));
+  for (const auto& [term, count] : with) {
+    BOOST_TEST(count > 0, term);
+    BOOST_TEST(sum.coverage.terms.at(term) == count, term);
+  }
+  BOOST_TEST(std::pow(1 - shareAtMostOf(7), 7) == 0.05, boost::test_tools::tolerance(1e-12));
+  BOOST_TEST(shareAtMostOf(0) == 1);
   for (const PairRelation relation : kAllPairRelations)
     BOOST_TEST(sum.coverage.pairs.covered(relation) == pairs.covered(relation));
   // (1 - p)^23 = 0.05
   BOOST_TEST(std::pow(1 - sum.shareAtMost(), 23) == 0.05, boost::test_tools::tolerance(1e-12));
   BOOST_TEST(sum.mechanisms_that_agree == 23);
+}
+
+BOOST_AUTO_TEST_CASE(what_a_campaign_has_found_stays_mended) {
+  const files::TemporaryFolder folder;
+  const auto verdict = [&](int mechanism) {
+    const CampaignPlan plan =
+        planOf(folder.path,
+               "title = \"one\"\nseed = 19\n[[cases]]\nof = \"mechanisms\"\ncount = 1\nfirst = " +
+                   std::to_string(mechanism) + "\n");
+    const auto record = nlohmann::json::parse(CaseRunner(plan, {}).line(0)).at("record");
+    return record.at("verdict").get<std::string>();
+  };
+  // a slider on the world beside a floating link that is held
+  BOOST_TEST(verdict(2472) == "agree");
+  // a degree beyond the field disagrees with nothing
+  BOOST_TEST(verdict(1043) == "not answerable");
 }
 
 BOOST_AUTO_TEST_CASE(draws_prefer_mechanisms_with_rare_pairs) {
@@ -272,7 +300,7 @@ BOOST_AUTO_TEST_CASE(draws_prefer_mechanisms_with_rare_pairs) {
     const CampaignPlan plan = planOf(folder.path, kSmall + draws);
     PairTable pairs;
     for (long k = 0; k < plan.cases(); ++k) {
-      const auto record = nlohmann::json::parse(runnerOf(plan).record(k));
+      const auto record = nlohmann::json::parse(runnerOf(plan).line(k)).at("record");
       const auto name = record.at("name").get<std::string>();
       pairs.add(randomWholeScene(1, std::stoul(name.substr(name.rfind('_') + 1)), 2));
     }

@@ -100,7 +100,7 @@ BOOST_AUTO_TEST_CASE(a_fault_in_rotors_becomes_a_scene_of_one_rotor) {
   const CaseRunner runner(plan, {}, {newtonEulerKind(), withHeavyRotors()});
   int disagree = 0;
   for (long k = 0; k < part.count && disagree < 3; ++k) {
-    const auto record = nlohmann::json::parse(runner.record(k));
+    const auto record = nlohmann::json::parse(runner.line(k)).at("record");
     const scene::Scene scene = randomWholeScene(plan.seed, static_cast<std::uint64_t>(k), 5);
     const bool expected = hasRotor(scene);
     BOOST_TEST((record.at("verdict") == "disagree") == expected, record.dump());
