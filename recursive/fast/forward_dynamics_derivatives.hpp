@@ -2,6 +2,7 @@
 // First derivatives of forward dynamics from those of inverse dynamics, over a plan.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "recursive/fast/inverse_dynamics_derivatives.hpp"
@@ -20,10 +21,10 @@ struct AccelerationDerivativesWorkspace {
   explicit AccelerationDerivativesWorkspace(const Plan<T>& plan);
 
   DerivativesWorkspace<T> of_tau;
-  std::vector<int> inboard;  ///< the next rate inboard of each, -1: none
-  std::vector<int> run;      ///< the first of the rates that follow each other up to this one
-  std::vector<int> outboard, first;  ///< all rates outboard of rate i, from place first[i] on
-  std::size_t width;                 ///< of a matrix in a row, a multiple of kBlock
+  /// Rates that feel each other, in the order in which they are done: of rate i those outboard of it
+  /// from place first_outboard[i] on, those inboard from first_inboard[i] on.
+  std::vector<int> outboard, first_outboard, inboard, first_inboard;
+  std::size_t width;    ///< of a matrix in a row, a multiple of kBlock
   std::vector<T> rows;  ///< d tau/dq, d tau/dqd and 1 beside each other, replaced by the solutions
   std::vector<T> M;     ///< replaced by L and, on the diagonal, 1/D
 };
@@ -31,65 +32,79 @@ struct AccelerationDerivativesWorkspace {
 template <typename T>
 AccelerationDerivativesWorkspace<T>::AccelerationDerivativesWorkspace(const Plan<T>& plan)
     : of_tau(plan),
-      inboard(plan.dof, -1),
-      run(plan.dof),
-      first(plan.dof + 1, 0),
       width((plan.dof + kBlock - 1) / kBlock * kBlock),
       rows(plan.dof * 3 * width, T(0)),
       M(plan.dof * width, T(0)) {
+  std::vector<std::vector<int>> in(plan.dof), out(plan.dof);
   for (const Link<T>& link : plan.links) {
     int p = link.parent;
     while (p > 0 && plan.links[p - 1].axes == 0) p = plan.links[p - 1].parent;
     const int last = p == 0 ? -1 : plan.links[p - 1].dof + plan.links[p - 1].axes - 1;
-    for (int k = 0; k < link.axes; ++k) inboard[link.dof + k] = k == 0 ? last : link.dof + k - 1;
+    for (int k = 0, d = link.dof; k < link.axes; ++k, ++d) {
+      const int next = k == 0 ? last : d - 1;
+      if (next < 0) continue;
+      in[d] = in[next];
+      in[d].push_back(next);
+    }
   }
+  for (int i = plan.dof - 1; i >= 0; --i)
+    for (const int j : in[i]) out[j].push_back(i);
   for (int i = 0; i < plan.dof; ++i) {
-    run[i] = i > 0 && inboard[i] == i - 1 ? run[i - 1] : i;
-    for (int j = inboard[i]; j >= 0; j = inboard[j]) ++first[j + 1];
+    first_outboard.push_back(static_cast<int>(outboard.size()));
+    outboard.insert(outboard.end(), out[i].begin(), out[i].end());
+    first_inboard.push_back(static_cast<int>(inboard.size()));
+    inboard.insert(inboard.end(), in[i].begin(), in[i].end());
   }
-  for (int i = 0; i < plan.dof; ++i) first[i + 1] += first[i];
-  outboard.resize(first[plan.dof]);
-  std::vector<int> place(first.begin(), first.end() - 1);
-  for (int i = 0; i < plan.dof; ++i)
-    for (int j = inboard[i]; j >= 0; j = inboard[j]) outboard[place[j]++] = i;
+  first_outboard.push_back(static_cast<int>(outboard.size()));
+  first_inboard.push_back(static_cast<int>(inboard.size()));
 }
 
 namespace detail {
 
-/// M = L' D L, the tips first, so that L has no entry where M has none: L and 1/D in place.
-template <typename T>
+/// M = L' D L, the tips first, so that L has no entry where M has none: L and 1/D in place of the
+/// lower half and the diagonal. Rows are subtracted whole, since zeros change nothing; what that
+/// leaves of the upper half is not read.
+template <typename Pack, typename T>
 DYNWITNESS_INLINE void factorizeOutermostFirst(AccelerationDerivativesWorkspace<T>& ws) {
   const std::size_t width = ws.width;
-  for (int k = static_cast<int>(ws.inboard.size()) - 1; k >= 0; --k) {
+  for (int k = static_cast<int>(ws.first_inboard.size()) - 2; k >= 0; --k) {
     T* const row = ws.M.data() + k * width;
-    row[k] = T(1) / row[k];
-    for (int i = ws.inboard[k]; i >= 0; i = ws.inboard[i]) {
-      const T share = row[i] * row[k];
+    const T inverse_D = T(1) / row[k];
+    for (int at = ws.first_inboard[k + 1] - 1; at >= ws.first_inboard[k]; --at) {
+      const int i = ws.inboard[at];
+      const T share = row[i] * inverse_D;
       T* const of_i = ws.M.data() + i * width;
-      for (int end = i; end >= 0; end = ws.inboard[ws.run[end]])
-        for (int j = ws.run[end]; j <= end; ++j) of_i[j] = of_i[j] - share * row[j];
+      for (int j = 0; j <= i; j += kBlock)
+        (Pack::load(of_i + j) - share * Pack::load(row + j)).store(of_i + j);
     }
-    for (int end = ws.inboard[k]; end >= 0; end = ws.inboard[ws.run[end]])
-      for (int j = ws.run[end]; j <= end; ++j) row[j] = row[j] * row[k];
+    for (int j = 0; j < k; j += kBlock) (inverse_D * Pack::load(row + j)).store(row + j);
+    row[k] = inverse_D;
   }
 }
 
-/// Solves L' D L X = B for kPacks packs of columns, from `column` on; -X where negative.
+/// Solves L' D L X = B for kPacks packs of columns, from `column` on, and hands X out; -X of d tau.
 template <int kPacks, typename Pack, typename T>
 DYNWITNESS_INLINE void solveColumns(AccelerationDerivativesWorkspace<T>& ws, std::size_t column,
-                                    std::size_t negative) {
+                                    const AccelerationDerivatives<T>& out) {
   const std::size_t stride = 3 * ws.width, width = ws.width;
   T* const B = ws.rows.data() + column;
   const T* const L = ws.M.data();
-  const int n = static_cast<int>(ws.inboard.size());
+  const int n = static_cast<int>(ws.first_inboard.size()) - 1;
   Pack sums[kPacks];
+  T* to[kPacks];
+  int lanes[kPacks];  ///< that are columns of the matrix, and not there to fill the pack
+  for (int k = 0; k < kPacks; ++k) {
+    const std::size_t matrix = (column + k * kBlock) / width, c = (column + k * kBlock) % width;
+    to[k] = (matrix == 0 ? out.dqdd_dq : matrix == 1 ? out.dqdd_dqd : out.dqdd_dtau) + c;
+    lanes[k] = std::min(kBlock, n - static_cast<int>(c));
+  }
   const auto subtract = [&](const T& factor, const T* row) DYNWITNESS_INLINE_LAMBDA {
     for (int k = 0; k < kPacks; ++k) sums[k] = sums[k] - factor * Pack::load(row + k * kBlock);
   };
   for (int i = n - 1; i >= 0; --i) {
     T* const row = B + i * stride;
     for (int k = 0; k < kPacks; ++k) sums[k] = Pack::load(row + k * kBlock);
-    for (int at = ws.first[i]; at < ws.first[i + 1]; ++at)
+    for (int at = ws.first_outboard[i]; at < ws.first_outboard[i + 1]; ++at)
       subtract(L[ws.outboard[at] * width + i], B + ws.outboard[at] * stride);
     for (int k = 0; k < kPacks; ++k) sums[k].store(row + k * kBlock);
   }
@@ -97,10 +112,18 @@ DYNWITNESS_INLINE void solveColumns(AccelerationDerivativesWorkspace<T>& ws, std
     T* const row = B + i * stride;
     const T inverse_D = L[i * width + i], minus = -inverse_D;
     for (int k = 0; k < kPacks; ++k)
-      sums[k] = (column + k * kBlock < negative ? minus : inverse_D) * Pack::load(row + k * kBlock);
-    for (int j = ws.inboard[i]; j >= 0; j = ws.inboard[j])
-      subtract(L[i * width + j], B + j * stride);
-    for (int k = 0; k < kPacks; ++k) sums[k].store(row + k * kBlock);
+      sums[k] =
+          (column + k * kBlock < 2 * width ? minus : inverse_D) * Pack::load(row + k * kBlock);
+    for (int at = ws.first_inboard[i]; at < ws.first_inboard[i + 1]; ++at)
+      subtract(L[i * width + ws.inboard[at]], B + ws.inboard[at] * stride);
+    for (int k = 0; k < kPacks; ++k) {
+      sums[k].store(row + k * kBlock);
+      if (lanes[k] == kBlock)
+        sums[k].store(to[k] + i * static_cast<std::size_t>(n));
+      else
+        for (int l = 0; l < lanes[k]; ++l)
+          to[k][i * static_cast<std::size_t>(n) + l] = row[k * kBlock + l];
+    }
   }
 }
 
@@ -111,24 +134,18 @@ DYNWITNESS_INLINE void accelerationDerivativesBody(const Plan<T>& plan, const Jo
                                                    const AccelerationDerivatives<T>& out) {
   const std::size_t n = plan.dof, width = ws.width, stride = 3 * width;
   T* const rows = ws.rows.data();
+  std::fill(ws.rows.begin(), ws.rows.end(), T(0));
+  if (!plan.is_chain) std::fill(ws.M.begin(), ws.M.end(), T(0));
+  for (std::size_t i = 0; i < n; ++i) rows[i * stride + 2 * width + i] = T(1);
   inverseDynamicsDerivativesBody<Pack>(plan, x, qd, qdd, ws.of_tau,
                                        {rows, rows + width, stride, ws.M.data(), width});
-  for (std::size_t i = 0; i < n; ++i) {
-    std::fill_n(rows + i * stride + 2 * width, n, T(0));
-    rows[i * stride + 2 * width + i] = T(1);
-  }
-  factorizeOutermostFirst(ws);
-  constexpr int kPacks = 6;  // what registers hold beside a factor
-  std::size_t column = 0;
-  for (; column + kPacks * kBlock <= stride; column += kPacks * kBlock)
-    solveColumns<kPacks, Pack>(ws, column, 2 * width);
-  for (; column < stride; column += 3 * kBlock) solveColumns<3, Pack>(ws, column, 2 * width);
-  for (std::size_t i = 0; i < n; ++i) {
-    const T* const row = rows + i * stride;
-    std::copy_n(row, n, out.dqdd_dq + i * n);
-    std::copy_n(row + width, n, out.dqdd_dqd + i * n);
-    std::copy_n(row + 2 * width, n, out.dqdd_dtau + i * n);
-  }
+  factorizeOutermostFirst<Pack>(ws);
+  std::size_t column = 0;  // as many at a time as registers hold beside a factor
+  for (; column + 12 * kBlock <= stride; column += 12 * kBlock)
+    solveColumns<12, Pack>(ws, column, out);
+  for (; column + 6 * kBlock <= stride; column += 6 * kBlock)
+    solveColumns<6, Pack>(ws, column, out);
+  for (; column < stride; column += 3 * kBlock) solveColumns<3, Pack>(ws, column, out);
 }
 
 DYNWITNESS_FOR_AVX2 inline void accelerationDerivativesForAvx2(

@@ -14,7 +14,7 @@ namespace dynwitness::recursive::fast {
 template <typename T>
 struct ForceDerivatives {
   T *dtau_dq, *dtau_dqd;
-  std::size_t stride;  ///< numbers from one row to the next, n or more ...
+  std::size_t stride;  ///< numbers from one row to the next ...
   T* M;
   std::size_t M_stride;  ///< ... and of M
 };
@@ -558,22 +558,32 @@ struct Entries {
   }
 };
 
+/// What an axis does to all that is outboard.
+enum class Axis { kTurns, kSlides, kTurnsAmongSeveral, kTurnsAndSlides };
+
 /// (9), (10) and (11) with one axis, lane l of a block.
-template <bool kTurns, typename Pack, typename T>
+/// @param is_first  its joint is on the world: nothing turns inboard of it
+template <Axis kAxis, typename Pack, typename T>
 DYNWITNESS_INLINE void writeEntries(const Entries<Pack, T>& to, const Carried<Pack, T>& c,
                                     const typename DerivativesWorkspace<T>::Axes& a, int l,
-                                    bool has_world_loads, const ForceDerivatives<T>& out) {
+                                    bool is_first, bool has_world_loads,
+                                    const ForceDerivatives<T>& out) {
   const auto along = [&](const Wide3<T>& v, const Vec<Pack>& by) DYNWITNESS_INLINE_LAMBDA {
     return v.x[l] * by.x + v.y[l] * by.y + v.z[l] * by.z;
   };
-  Pack M = along(a.z_w, c.n), q = along(a.z_w, c.n_q), qd = along(a.z_w, c.n_qd);
-  Pack row_q = along(a.chi_v, c.f) + along(a.chi_w, c.n) + along(a.psi_w, c.G);
-  Pack row_qd = along(a.phi_w, c.n) + along(a.z_w, c.G);
-  if constexpr (!kTurns) {
-    M = M + along(a.z_v, c.f), q = q + along(a.z_v, c.f_q), qd = qd + along(a.z_v, c.f_qd);
-    row_qd = row_qd + along(a.phi_v, c.f);
+  Pack M, q, qd, row_q = along(a.chi_v, c.f), row_qd;
+  if constexpr (kAxis != Axis::kSlides) {
+    M = along(a.z_w, c.n), q = along(a.z_w, c.n_q), qd = along(a.z_w, c.n_qd);
+    if (!is_first) row_q = row_q + along(a.chi_w, c.n) + along(a.psi_w, c.G);
+    if (has_world_loads) row_q = row_q + along(a.z_w, c.W);
+    row_qd = along(a.phi_w, c.n) + along(a.z_w, c.G);
+    if constexpr (kAxis != Axis::kTurns) row_qd = row_qd + along(a.phi_v, c.f);
+  } else {
+    M = along(a.z_v, c.f), q = along(a.z_v, c.f_q), qd = along(a.z_v, c.f_qd);
+    row_qd = along(a.phi_v, c.f);
   }
-  if (has_world_loads) row_q = row_q + along(a.z_w, c.W);
+  if constexpr (kAxis == Axis::kTurnsAndSlides)
+    M = M + along(a.z_v, c.f), q = q + along(a.z_v, c.f_q), qd = qd + along(a.z_v, c.f_qd);
   to.across(out.M, out.M_stride, M), to.down(out.M, out.M_stride, M);
   to.across(out.dtau_dq, out.stride, q), to.down(out.dtau_dq, out.stride, row_q);
   to.across(out.dtau_dqd, out.stride, qd), to.down(out.dtau_dqd, out.stride, row_qd);
@@ -602,21 +612,38 @@ DYNWITNESS_INLINE void carryInward(const Plan<T>& plan, const ColumnBlock& block
       const Entries<Pack, T> to{block, next.dof + l, link.column};
       const auto& axes = all_axes[(next.column + l) / kBlock];
       const int lane = (next.column + l) % kBlock;
+      const auto write = [&](auto axis) DYNWITNESS_INLINE_LAMBDA {
+        writeEntries<decltype(axis)::value>(to, carried, axes, lane, next.parent == 0,
+                                            has_world_loads, out);
+      };
       if (isTurn(next.step))
-        writeEntries<true>(to, carried, axes, lane, has_world_loads, out);
+        write(std::integral_constant<Axis, Axis::kTurns>());
+      else if (isSlide(next.step) || (next.kind == JointKind::kFloating && l < 3))
+        write(std::integral_constant<Axis, Axis::kSlides>());
+      else if (next.axes > 1)
+        write(std::integral_constant<Axis, Axis::kTurnsAmongSeveral>());
       else
-        writeEntries<false>(to, carried, axes, lane, has_world_loads, out);
+        write(std::integral_constant<Axis, Axis::kTurnsAndSlides>());
     }
     if (next.column + next.axes > block.begin) carried.join(own, next.column - block.begin);
   }
 }
 
+/// Zeros where joints do not feel each other.
+template <typename T>
+void clear(const Plan<T>& plan, const ForceDerivatives<T>& out) {
+  const std::size_t n = plan.dof;
+  if (plan.is_chain) return;  // there are none
+  for (T* const matrix : {out.dtau_dq, out.dtau_dqd, out.M}) std::fill_n(matrix, n * n, T(0));
+}
+
+/// Writes what is not zero by nature.
 template <typename Pack, typename T>
 DYNWITNESS_INLINE void inverseDynamicsDerivativesBody(const Plan<T>& plan,
                                                       const JointPosition<T>* x, const T* qd,
                                                       const T* qdd, DerivativesWorkspace<T>& ws,
                                                       const ForceDerivatives<T>& out) {
-  const std::size_t dof = plan.dof, blocks = plan.blocks.size();
+  const std::size_t blocks = plan.blocks.size();
   moveOutward<Pack>(plan, x, qd, qdd, ws);
   for (std::size_t b = 0; b < ws.bodies.size(); ++b)
     ownBodies<Pack>(ws.bodies[b], b < blocks && ws.axes[b].are_turns);
@@ -624,13 +651,6 @@ DYNWITNESS_INLINE void inverseDynamicsDerivativesBody(const Plan<T>& plan,
   sumInward(plan, qd, qdd, ws);
   for (std::size_t b = 0; b < blocks; ++b) columnsOf<Pack>(ws.axes[b], ws.bodies[b]);
   addTurnedLoads(plan, ws);
-  if (!plan.is_chain) {  // branches do not feel each other
-    for (std::size_t i = 0; i < dof; ++i) {
-      std::fill_n(out.dtau_dq + i * out.stride, dof, T(0));
-      std::fill_n(out.dtau_dqd + i * out.stride, dof, T(0));
-      std::fill_n(out.M + i * out.M_stride, dof, T(0));
-    }
-  }
   for (std::size_t b = 0; b < blocks; ++b) writeDiagonal<Pack, T>(ws.axes[b], plan.blocks[b], out);
   for (const int i : ws.several) writeSeveral(plan.links[i], ws, out);
   for (std::size_t b = 0; b < blocks; ++b) turnWrenches<Pack>(ws.axes[b], ws.bodies[b]);
@@ -687,7 +707,7 @@ DYNWITNESS_FOR_AVX2 inline void inverseDynamicsDerivativesForAvx2(
     Rotors, springs and viscous friction stand on the diagonal.
 
     @param x, qd, qdd  as inverseDynamics() takes them, trusted to be as long as there
-    @param out         written whole, row by row; M symmetric
+    @param out         n x n each, all strides n, written whole; M symmetric
     @see J. Carpentier and N. Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms,
       Robotics: Science and Systems (2018); S. Singh, R. Russell, P. Wensing, Efficient Analytical
       Derivatives of Rigid-Body Dynamics using Spatial Vector Algebra, IEEE RA-L 7 (2022) */
@@ -695,6 +715,7 @@ template <typename T>
 void inverseDynamicsDerivatives(const Plan<T>& plan, const JointPosition<T>* x, const T* qd,
                                 const T* qdd, DerivativesWorkspace<T>& ws,
                                 const ForceDerivatives<T>& out) {
+  detail::clear(plan, out);
   if constexpr (std::is_same_v<T, double>) {
     if (kHasAvx2) return detail::inverseDynamicsDerivativesForAvx2(plan, x, qd, qdd, ws, out);
     detail::inverseDynamicsDerivativesBody<TwoPairs>(plan, x, qd, qdd, ws, out);
