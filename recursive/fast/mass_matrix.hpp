@@ -15,14 +15,23 @@ struct MassMatrixWorkspace {
         branches(plan.branches),
         columns(plan.blocks.size()),
         others(plan) {
+    for (const Link<T>& link : plan.links)
+      passages.push_back({link.parent, link.dof, link.column, link.axes, link.step, link.is_apart});
     for (Frame& frame : frames) frame = {};
     for (Columns& block : columns) block = {};
     frames[0].x[0] = frames[0].y[1] = frames[0].z[2] = T(1);
   }
-  struct Frame {
-    T c, s;  ///< of the joint's angle
-    T x[kBlock], y[kBlock], z[kBlock],
-        p[kBlock];  ///< axes, and the way from the parent, in the world's
+  /// What columns need on their way inward comes first: a line of the cache for a double.
+  struct alignas(64) Frame {
+    T z[kBlock], p[kBlock];  ///< axis, and the way from the parent, in the world's axes
+    T x[kBlock], y[kBlock];  ///< the other axes
+    T c, s;                  ///< of the joint's angle
+  };
+  /// What else they need of a link: links are too large to be read again for each block.
+  struct Passage {
+    int parent, dof, column, axes;
+    Step step;
+    bool is_apart;
   };
   struct Composite {
     T mass;
@@ -34,7 +43,8 @@ struct MassMatrixWorkspace {
   struct Columns {
     T f_x[kBlock], f_y[kBlock], f_z[kBlock], n_x[kBlock], n_y[kBlock], n_z[kBlock];
   };
-  std::vector<Frame> frames;  ///< the first is the world
+  std::vector<Frame> frames;      ///< the first is the world
+  std::vector<Passage> passages;  ///< of the links
   std::vector<Composite> branches;
   std::vector<Columns> columns;
   OtherJoints<T> others;
@@ -96,6 +106,8 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   const Link<T>* const links = plan.links.data();
   Frame* const frames = ws.frames.data();
   Columns* const columns = ws.columns.data();
+  using Passage = typename MassMatrixWorkspace<T>::Passage;
+  const Passage* const passages = ws.passages.data();
   // outward: the links' axes
   for (int i = 0; i < n; ++i) {
     const Link<T>& link = links[i];
@@ -203,10 +215,10 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
                            DYNWITNESS_INLINE_LAMBDA { return e[0] * x + e[1] * y + e[2] * z; };
     const Columns& F = columns[block.begin / kBlock];
     Pack f_x, f_y, f_z, n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
-    const Link<T>* link = links + block.last_link;
+    const Passage* link = passages + block.last_link;
     const Frame* frame = frames + block.last_link + 1;
     while (link->parent > 0) {
-      const Link<T>* const next = links + (link->parent - 1);
+      const Passage* const next = passages + (link->parent - 1);
       const Frame* const inboard = frames + link->parent;
       if (link->column + link->axes > block.begin) {
         // its columns join; the force of those inboard is left out, and their moment stays what it
@@ -227,12 +239,13 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       } else if (isSlide(next->step)) {
         write(next->dof, link->column, along(inboard->z, f_x, f_y, f_z));
       } else {
+        const Link<T>& other = links[link->parent - 1];
         for (int l = 0; l < next->axes; ++l) {
-          const bool slides = next->kind == JointKind::kFloating && l < 3;
+          const bool slides = other.kind == JointKind::kFloating && l < 3;
           const int axis = next->axes == 1 ? 2 : l % 3;
           const T* const e = axis == 0 ? inboard->x : axis == 1 ? inboard->y : inboard->z;
           Pack row = slides ? along(e, f_x, f_y, f_z) : along(e, n_x, n_y, n_z);
-          if (next->kind == JointKind::kHelical) row = row + next->pitch * along(e, f_x, f_y, f_z);
+          if (other.kind == JointKind::kHelical) row = row + other.pitch * along(e, f_x, f_y, f_z);
           write(next->dof + l, link->column, row);
         }
       }
