@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "recursive/fast/inverse_dynamics_derivatives.hpp"
@@ -24,17 +25,19 @@ struct AccelerationDerivativesWorkspace {
   /// Rates that feel each other, in the order in which they are done: of rate i those outboard of it
   /// from place first_outboard[i] on, those inboard from first_inboard[i] on.
   std::vector<int> outboard, first_outboard, inboard, first_inboard;
-  std::size_t width;    ///< of a matrix in a row, a multiple of kBlock
-  std::vector<T> rows;  ///< d tau/dq, d tau/dqd and 1 beside each other, replaced by the solutions
-  std::vector<T> M;     ///< replaced by L and, on the diagonal, 1/D
+  std::size_t width;       ///< of a matrix in a row, a multiple of kBlock
+  std::vector<T> rows;     ///< d tau/dq and d tau/dqd beside each other, replaced by the solutions
+  std::vector<T> M;        ///< replaced by L and, on the diagonal, 1/D
+  std::vector<T> inverse;  ///< of M
 };
 
 template <typename T>
 AccelerationDerivativesWorkspace<T>::AccelerationDerivativesWorkspace(const Plan<T>& plan)
     : of_tau(plan),
       width((plan.dof + kBlock - 1) / kBlock * kBlock),
-      rows(plan.dof * 3 * width, T(0)),
-      M(plan.dof * width, T(0)) {
+      rows(plan.dof * 2 * width, T(0)),
+      M(plan.dof * width, T(0)),
+      inverse(plan.dof * width, T(0)) {
   std::vector<std::vector<int>> in(plan.dof), out(plan.dof);
   for (const Link<T>& link : plan.links) {
     int p = link.parent;
@@ -82,48 +85,71 @@ DYNWITNESS_INLINE void factorizeOutermostFirst(AccelerationDerivativesWorkspace<
   }
 }
 
-/// Solves L' D L X = B for kPacks packs of columns, from `column` on, and hands X out; -X of d tau.
-template <int kPacks, typename Pack, typename T>
+/// As many packs as stay in registers: constant places, so that compilers see that.
+template <typename Pack, typename T, std::size_t... k>
+struct PacksOfRow {
+  Pack sums[sizeof...(k)];
+
+  DYNWITNESS_INLINE void load(const T* row) { ((sums[k] = Pack::load(row + k * kBlock)), ...); }
+  DYNWITNESS_INLINE void loadTimes(const T& factor, const T* row) {
+    ((sums[k] = factor * Pack::load(row + k * kBlock)), ...);
+  }
+  DYNWITNESS_INLINE void subtract(const T& factor, const T* row) {
+    ((sums[k] = sums[k] - factor * Pack::load(row + k * kBlock)), ...);
+  }
+  DYNWITNESS_INLINE void store(T* row) const { (sums[k].store(row + k * kBlock), ...); }
+};
+
+/// Solves L' D L X = -B for so many packs of columns, from `column` on.
+template <typename Pack, typename T, std::size_t... k>
 DYNWITNESS_INLINE void solveColumns(AccelerationDerivativesWorkspace<T>& ws, std::size_t column,
-                                    const AccelerationDerivatives<T>& out) {
-  const std::size_t stride = 3 * ws.width, width = ws.width;
+                                    std::index_sequence<k...>) {
+  const std::size_t stride = 2 * ws.width, width = ws.width;
   T* const B = ws.rows.data() + column;
   const T* const L = ws.M.data();
+  const int *const outboard = ws.outboard.data(), *const inboard = ws.inboard.data();
   const int n = static_cast<int>(ws.first_inboard.size()) - 1;
-  Pack sums[kPacks];
-  T* to[kPacks];
-  int lanes[kPacks];  ///< that are columns of the matrix, and not there to fill the pack
-  for (int k = 0; k < kPacks; ++k) {
-    const std::size_t matrix = (column + k * kBlock) / width, c = (column + k * kBlock) % width;
-    to[k] = (matrix == 0 ? out.dqdd_dq : matrix == 1 ? out.dqdd_dqd : out.dqdd_dtau) + c;
-    lanes[k] = std::min(kBlock, n - static_cast<int>(c));
-  }
-  const auto subtract = [&](const T& factor, const T* row) DYNWITNESS_INLINE_LAMBDA {
-    for (int k = 0; k < kPacks; ++k) sums[k] = sums[k] - factor * Pack::load(row + k * kBlock);
-  };
   for (int i = n - 1; i >= 0; --i) {
-    T* const row = B + i * stride;
-    for (int k = 0; k < kPacks; ++k) sums[k] = Pack::load(row + k * kBlock);
-    for (int at = ws.first_outboard[i]; at < ws.first_outboard[i + 1]; ++at)
-      subtract(L[ws.outboard[at] * width + i], B + ws.outboard[at] * stride);
-    for (int k = 0; k < kPacks; ++k) sums[k].store(row + k * kBlock);
+    PacksOfRow<Pack, T, k...> row;
+    row.load(B + i * stride);
+    for (int at = ws.first_outboard[i], end = ws.first_outboard[i + 1]; at < end; ++at)
+      row.subtract(L[outboard[at] * width + i], B + outboard[at] * stride);
+    row.store(B + i * stride);
   }
   for (int i = 0; i < n; ++i) {
-    T* const row = B + i * stride;
-    const T inverse_D = L[i * width + i], minus = -inverse_D;
-    for (int k = 0; k < kPacks; ++k)
-      sums[k] =
-          (column + k * kBlock < 2 * width ? minus : inverse_D) * Pack::load(row + k * kBlock);
-    for (int at = ws.first_inboard[i]; at < ws.first_inboard[i + 1]; ++at)
-      subtract(L[i * width + ws.inboard[at]], B + ws.inboard[at] * stride);
-    for (int k = 0; k < kPacks; ++k) {
-      sums[k].store(row + k * kBlock);
-      if (lanes[k] == kBlock)
-        sums[k].store(to[k] + i * static_cast<std::size_t>(n));
-      else
-        for (int l = 0; l < lanes[k]; ++l)
-          to[k][i * static_cast<std::size_t>(n) + l] = row[k * kBlock + l];
+    PacksOfRow<Pack, T, k...> row;
+    row.loadTimes(-L[i * width + i], B + i * stride);
+    for (int at = ws.first_inboard[i], end = ws.first_inboard[i + 1]; at < end; ++at)
+      row.subtract(L[i * width + inboard[at]], B + inboard[at] * stride);
+    row.store(B + i * stride);
+  }
+}
+
+/** X = 1/M from L and D. L X = D^-1 L^-T is zero below the diagonal and 1/D on it, so that, root
+    first and with the symmetry of X,
+        X_ic = -sum_p L_ip X_pc  (c < i),   X_ii = 1/D_i - sum_p L_ip X_ip,   p inboard of i:
+    rows up to i - 1 and, mirrored, columns up to i - 1 of X are known then. */
+template <typename Pack, typename T>
+DYNWITNESS_INLINE void invert(AccelerationDerivativesWorkspace<T>& ws) {
+  const std::size_t width = ws.width;
+  const int n = static_cast<int>(ws.first_inboard.size()) - 1;
+  const T zeros[kBlock] = {T(0), T(0), T(0), T(0)};
+  for (int i = 0; i < n; ++i) {
+    T* const row = ws.inverse.data() + i * width;
+    const T* const L = ws.M.data() + i * width;
+    const int *const first = ws.inboard.data() + ws.first_inboard[i], *const last =
+                                                                          ws.inboard.data() +
+                                                                          ws.first_inboard[i + 1];
+    for (int column = 0; column < i; column += kBlock) {  // what is beyond i - 1 comes later
+      Pack sum = Pack::load(zeros);
+      for (const int* p = first; p != last; ++p)
+        sum = sum - L[*p] * Pack::load(ws.inverse.data() + *p * width + column);
+      sum.store(row + column);
     }
+    T own = L[i];
+    for (const int* p = first; p != last; ++p) own = own - L[*p] * row[*p];
+    row[i] = own;
+    for (int c = 0; c < i; ++c) ws.inverse[c * width + i] = row[c];
   }
 }
 
@@ -132,20 +158,31 @@ DYNWITNESS_INLINE void accelerationDerivativesBody(const Plan<T>& plan, const Jo
                                                    const T* qd, const T* qdd,
                                                    AccelerationDerivativesWorkspace<T>& ws,
                                                    const AccelerationDerivatives<T>& out) {
-  const std::size_t n = plan.dof, width = ws.width, stride = 3 * width;
+  const std::size_t n = plan.dof, width = ws.width, stride = 2 * width;
   T* const rows = ws.rows.data();
-  std::fill(ws.rows.begin(), ws.rows.end(), T(0));
-  if (!plan.is_chain) std::fill(ws.M.begin(), ws.M.end(), T(0));
-  for (std::size_t i = 0; i < n; ++i) rows[i * stride + 2 * width + i] = T(1);
+  if (!plan.is_chain) {
+    std::fill(ws.rows.begin(), ws.rows.end(), T(0));
+    std::fill(ws.M.begin(), ws.M.end(), T(0));
+  }
   inverseDynamicsDerivativesBody<Pack>(plan, x, qd, qdd, ws.of_tau,
                                        {rows, rows + width, stride, ws.M.data(), width});
   factorizeOutermostFirst<Pack>(ws);
   std::size_t column = 0;  // as many at a time as registers hold beside a factor
-  for (; column + 12 * kBlock <= stride; column += 12 * kBlock)
-    solveColumns<12, Pack>(ws, column, out);
-  for (; column + 6 * kBlock <= stride; column += 6 * kBlock)
-    solveColumns<6, Pack>(ws, column, out);
-  for (; column < stride; column += 3 * kBlock) solveColumns<3, Pack>(ws, column, out);
+  const auto isLeft = [&](int packs) { return column + packs * kBlock <= stride; };
+  for (; isLeft(12); column += 12 * kBlock)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<12>());
+  for (; isLeft(8); column += 8 * kBlock)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<8>());
+  for (; isLeft(4); column += 4 * kBlock)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<4>());
+  for (; isLeft(2); column += 2 * kBlock)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<2>());
+  invert<Pack>(ws);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::copy_n(rows + i * stride, n, out.dqdd_dq + i * n);
+    std::copy_n(rows + i * stride + width, n, out.dqdd_dqd + i * n);
+    std::copy_n(ws.inverse.data() + i * width, n, out.dqdd_dtau + i * n);
+  }
 }
 
 DYNWITNESS_FOR_AVX2 inline void accelerationDerivativesForAvx2(
@@ -160,8 +197,8 @@ DYNWITNESS_FOR_AVX2 inline void accelerationDerivativesForAvx2(
 
         d qdd/dq = -1/M d tau/dq,   d qdd/dqd = -1/M d tau/dqd,   d qdd/dtau = 1/M
 
-    by M = L' D L with the tree's own zeros, all 3 n columns in one pass in and one out, O(n^2
-    depth).
+    by M = L' D L with the tree's own zeros, a dozen packs of columns in one pass in and one out,
+    O(n^2 depth).
     @param qdd  what the state's tau makes, by forwardDynamics()
     @param out  written whole, row by row
     A singular M divides by zero, as in forwardDynamics(). */
