@@ -22,8 +22,8 @@ struct AccelerationDerivativesWorkspace {
   explicit AccelerationDerivativesWorkspace(const Plan<T>& plan);
 
   DerivativesWorkspace<T> of_tau;
-  /// Rates that feel each other, in the order in which they are done: of rate i those outboard of it
-  /// from place first_outboard[i] on, those inboard from first_inboard[i] on.
+  /// Rates that feel each other, in the order in which they are done: of rate i those outboard of
+  /// it from place first_outboard[i] on, those inboard from first_inboard[i] on.
   std::vector<int> outboard, first_outboard, inboard, first_inboard;
   std::size_t width;       ///< of a matrix in a row, a multiple of kBlock
   std::vector<T> rows;     ///< d tau/dq and d tau/dqd beside each other, replaced by the solutions

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau): the fast sweeps of their own and
-// the textbook's beside the other sweeps on dual numbers, column by column, and MuJoCo's differences of
-// a step, in one run on the same states.
+// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau): the fast sweeps of their own
+// and the textbook's beside the other sweeps on dual numbers, column by column, and MuJoCo's
+// differences of a step, in one run on the same states.
 #include <fmt/format.h>
 
 #include "crosscheck/chart/raw_mujoco.hpp"

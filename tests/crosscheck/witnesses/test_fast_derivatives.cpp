@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast derivatives are those of tau and qdd: over a prime field against the Lagrangian's program
-// and forward dynamics on dual numbers, and the textbook's derivatives; identities; in double within
-// bounds of rounding and against the certified truth.
+// The fast derivatives are those of tau and qdd: over a prime field against the Lagrangian's
+// program and forward dynamics on dual numbers, and the textbook's derivatives; identities; in
+// double within bounds of rounding and against the certified truth.
 #include "crosscheck/witnesses/fast_derivatives.hpp"
 
 #include <cmath>
@@ -189,7 +189,7 @@ BOOST_AUTO_TEST_CASE(they_are_the_textbooks) {
   BOOST_TEST(differing(chain) == "");
 }
 
-// The Lagrangian shares no formula with any sweep, dual numbers none with the sweeps for derivatives.
+// The Lagrangian shares no formula with any sweep, dual numbers none with sweeps for derivatives.
 BOOST_AUTO_TEST_CASE(they_are_the_lagrangians_and_dual_numbers) {
   int singular = 0;
   for (const scene::Scene& scene : scenes()) {
@@ -292,7 +292,7 @@ double worst(const double* answer, const RowsX<Ball>& truth, double scale) {
 }  // namespace
 
 // The truth is the same sweep's in balls of 256 bits, which the cases above hold to the Lagrangian.
-// Seen: 6.9 units at worst of dtau/dq, 5.5 of dtau/dqd, 2.6 of M: sums of at most some twenty terms.
+// Seen at worst: 22 units of dtau/dq, 9.3 of dtau/dqd, 8.3 of M.
 BOOST_AUTO_TEST_CASE(they_keep_their_digits) {
   const BallPrecision precision(256);
   double seen[3] = {};
@@ -379,7 +379,8 @@ BOOST_AUTO_TEST_CASE(they_are_the_same_bits_whatever_the_processor) {
   }
 }
 
-// Of qdd: the derivatives at that qdd, which the class finds by itself.
+// Of qdd: the derivatives at that qdd, which the class finds by itself. Seen: they differ by 6.5e-15
+// of the largest entry, where M's inverse costs a digit or two.
 BOOST_AUTO_TEST_CASE(those_of_qdd_are_at_the_qdd_of_tau) {
   const scene::Scene scene = scene::findScene("franka_panda");
   const auto model =
@@ -387,14 +388,6 @@ BOOST_AUTO_TEST_CASE(those_of_qdd_are_at_the_qdd_of_tau) {
   scene::State<double> s = drawState(scene.mechanism, scene.name, 23, 0);
   std::vector<double> qdd;
   const Answers answers = fastAnswers(model, s, &qdd);
-  recursive::Workspace<double> ws(model);
-  std::vector<double> tau(s.tau.size());
-  recursive::inverseDynamics(model, s.x, s.qd, qdd, ws, tau);
-  double largest = 0;
-  for (std::size_t i = 0; i < tau.size(); ++i) {
-    largest = std::max(largest, std::abs(s.tau[i]));
-    BOOST_TEST(std::abs(tau[i] - s.tau[i]) < 1e-12 * (1 + largest));
-  }
   s.qdd = qdd;
   recursive::DerivativesWorkspace<double> room(model);
   recursive::InverseDynamicsDerivatives<double> of_tau(model);
@@ -403,7 +396,7 @@ BOOST_AUTO_TEST_CASE(those_of_qdd_are_at_the_qdd_of_tau) {
   const std::size_t nn = static_cast<std::size_t>(of_qdd.dqdd_dq.size());
   const double scale = of_qdd.dqdd_dq.cwiseAbs().maxCoeff();
   for (std::size_t k = 0; k < nn; ++k)
-    BOOST_TEST(std::abs(answers.of_qdd[k] - of_qdd.dqdd_dq.data()[k]) < 1e-12 * scale);
+    BOOST_TEST(std::abs(answers.of_qdd[k] - of_qdd.dqdd_dq.data()[k]) < 1e-13 * scale);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
