@@ -82,7 +82,10 @@ def main():
     for compiler in known:
         for scene, counts in measured[compiler].items():
             for formula, count in counts.items():
-                before = record[compiler][scene][formula]
+                before = record[compiler].get(scene, {}).get(formula)
+                if before is None:
+                    print(f"{compiler:10} {scene:18} {formula:4} not on record {count:7} now: --record")
+                    continue
                 grown = count > ALLOWED * before
                 worse += grown
                 print(f"{compiler:10} {scene:18} {formula:4} {before:7} on record {count:7} now "
