@@ -73,6 +73,14 @@ class RawMujoco {
     std::memcpy(data_->qfrc_applied, s.tau.data(), s.tau.size() * sizeof(double));
     mj_forward(model_.get(), data_.get());
   }
+  /// One-sided differences of a step, h apart: A of 2n x 2n, how (q, qd) after it follow from those
+  /// before.
+  void stepDifferences(const scene::State<double>& s, double h, double* A) {
+    set(s);
+    std::memcpy(data_->qvel, s.qd.data(), s.qd.size() * sizeof(double));
+    std::memcpy(data_->qfrc_applied, s.tau.data(), s.tau.size() * sizeof(double));
+    mjd_transitionFD(model_.get(), data_.get(), h, 0, A, nullptr, nullptr, nullptr);
+  }
   const void* results() const { return data_->qacc; }
 
  private:

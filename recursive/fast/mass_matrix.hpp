@@ -2,110 +2,10 @@
 // The joint-space mass matrix by composite bodies over a plan.
 #pragma once
 
+#include "recursive/fast/lanes.hpp"
 #include "recursive/fast/plan.hpp"
 
 namespace dynwitness::recursive::fast {
-
-/// As many numbers as a block has columns, side by side, on any scalar.
-template <typename T>
-struct Lanes {
-  T v[kBlock];
-
-  static Lanes load(const T* from) { return {{from[0], from[1], from[2], from[3]}}; }
-  /// Zero before the first lane.
-  static Lanes loadFrom(int first, const T* from) {
-    Lanes a = load(from);
-    for (int i = 0; i < first; ++i) a.v[i] = T(0);
-    return a;
-  }
-  void store(T* to) const {
-    for (int i = 0; i < kBlock; ++i) to[i] = v[i];
-  }
-  /// One by one, this many numbers apart.
-  void scatter(T* to, std::size_t apart) const {
-    for (int i = 0; i < kBlock; ++i) to[i * apart] = v[i];
-  }
-  void scatterThree(T* to, std::size_t apart) const {
-    for (int i = 0; i < 3; ++i) to[i * apart] = v[i];
-  }
-  Lanes operator+(const Lanes& b) const {
-    return {{v[0] + b.v[0], v[1] + b.v[1], v[2] + b.v[2], v[3] + b.v[3]}};
-  }
-  Lanes operator-(const Lanes& b) const {
-    return {{v[0] - b.v[0], v[1] - b.v[1], v[2] - b.v[2], v[3] - b.v[3]}};
-  }
-  Lanes operator-() const { return {{-v[0], -v[1], -v[2], -v[3]}}; }
-  friend Lanes operator*(const T& s, const Lanes& b) {
-    return {{s * b.v[0], s * b.v[1], s * b.v[2], s * b.v[3]}};
-  }
-};
-
-/// The same for double in vector registers of two, which every x86-64 and AArch64 processor has ...
-struct TwoPairs {
-  typedef double Pair __attribute__((vector_size(16)));
-  typedef double Memory __attribute__((vector_size(16), aligned(8), may_alias));
-  typedef long long Bits __attribute__((vector_size(16)));
-  Pair low, high;
-
-  static DYNWITNESS_INLINE TwoPairs load(const double* from) {
-    return {*reinterpret_cast<const Memory*>(from), *reinterpret_cast<const Memory*>(from + 2)};
-  }
-  static DYNWITNESS_INLINE TwoPairs loadFrom(int first, const double* from) {
-    const TwoPairs a = load(from);
-    // NOLINTNEXTLINE(readability-implicit-bool-conversion): all bits of a lane, or none
-    const Bits low = {-(first < 1), -(first < 2)}, high = {-(first < 3), -(first < 4)};
-    return {(Pair)((Bits)a.low & low), (Pair)((Bits)a.high & high)};
-  }
-  DYNWITNESS_INLINE void store(double* to) const {
-    *reinterpret_cast<Memory*>(to) = low;
-    *reinterpret_cast<Memory*>(to + 2) = high;
-  }
-  DYNWITNESS_INLINE void scatter(double* to, std::size_t apart) const {
-    scatterThree(to, apart);
-    to[3 * apart] = high[1];
-  }
-  DYNWITNESS_INLINE void scatterThree(double* to, std::size_t apart) const {
-    to[0] = low[0], to[apart] = low[1], to[2 * apart] = high[0];
-  }
-  DYNWITNESS_INLINE TwoPairs operator+(const TwoPairs& b) const {
-    return {low + b.low, high + b.high};
-  }
-  DYNWITNESS_INLINE TwoPairs operator-(const TwoPairs& b) const {
-    return {low - b.low, high - b.high};
-  }
-  DYNWITNESS_INLINE TwoPairs operator-() const { return {-low, -high}; }
-  friend DYNWITNESS_INLINE TwoPairs operator*(double s, const TwoPairs& b) {
-    return {s * b.low, s * b.high};
-  }
-};
-
-/// ... and of four.
-struct Quad {
-  typedef double Four __attribute__((vector_size(32)));
-  typedef double Memory __attribute__((vector_size(32), aligned(8), may_alias));
-  typedef long long Bits __attribute__((vector_size(32)));
-  Four v;
-
-  static DYNWITNESS_INLINE Quad load(const double* from) {
-    return {*reinterpret_cast<const Memory*>(from)};
-  }
-  static DYNWITNESS_INLINE Quad loadFrom(int first, const double* from) {
-    const Bits lane = {0, 1, 2, 3}, begin = {first, first, first, first};
-    return {(Four)((Bits)load(from).v & (lane >= begin))};
-  }
-  DYNWITNESS_INLINE void store(double* to) const { *reinterpret_cast<Memory*>(to) = v; }
-  DYNWITNESS_INLINE void scatter(double* to, std::size_t apart) const {
-    scatterThree(to, apart);
-    to[3 * apart] = v[3];
-  }
-  DYNWITNESS_INLINE void scatterThree(double* to, std::size_t apart) const {
-    to[0] = v[0], to[apart] = v[1], to[2 * apart] = v[2];
-  }
-  DYNWITNESS_INLINE Quad operator+(const Quad& b) const { return {v + b.v}; }
-  DYNWITNESS_INLINE Quad operator-(const Quad& b) const { return {v - b.v}; }
-  DYNWITNESS_INLINE Quad operator-() const { return {-v}; }
-  friend DYNWITNESS_INLINE Quad operator*(double s, const Quad& b) { return {s * b.v}; }
-};
 
 /// What the sweep writes on, sized once for a plan.
 template <typename T>
@@ -115,14 +15,23 @@ struct MassMatrixWorkspace {
         branches(plan.branches),
         columns(plan.blocks.size()),
         others(plan) {
+    for (const Link<T>& link : plan.links)
+      passages.push_back({link.parent, link.dof, link.column, link.axes, link.step, link.is_apart});
     for (Frame& frame : frames) frame = {};
     for (Columns& block : columns) block = {};
     frames[0].x[0] = frames[0].y[1] = frames[0].z[2] = T(1);
   }
-  struct Frame {
-    T c, s;  ///< of the joint's angle
-    T x[kBlock], y[kBlock], z[kBlock],
-        p[kBlock];  ///< axes, and the way from the parent, in the world's
+  /// What columns need on their way inward comes first: a line of the cache for a double.
+  struct alignas(64) Frame {
+    T z[kBlock], p[kBlock];  ///< axis, and the way from the parent, in the world's axes
+    T x[kBlock], y[kBlock];  ///< the other axes
+    T c, s;                  ///< of the joint's angle
+  };
+  /// What else they need of a link: links are too large to be read again for each block.
+  struct Passage {
+    int parent, dof, column, axes;
+    Step step;
+    bool is_apart;
   };
   struct Composite {
     T mass;
@@ -134,7 +43,8 @@ struct MassMatrixWorkspace {
   struct Columns {
     T f_x[kBlock], f_y[kBlock], f_z[kBlock], n_x[kBlock], n_y[kBlock], n_z[kBlock];
   };
-  std::vector<Frame> frames;  ///< the first is the world
+  std::vector<Frame> frames;      ///< the first is the world
+  std::vector<Passage> passages;  ///< of the links
   std::vector<Composite> branches;
   std::vector<Columns> columns;
   OtherJoints<T> others;
@@ -196,6 +106,8 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   const Link<T>* const links = plan.links.data();
   Frame* const frames = ws.frames.data();
   Columns* const columns = ws.columns.data();
+  using Passage = typename MassMatrixWorkspace<T>::Passage;
+  const Passage* const passages = ws.passages.data();
   // outward: the links' axes
   for (int i = 0; i < n; ++i) {
     const Link<T>& link = links[i];
@@ -303,10 +215,10 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
                            DYNWITNESS_INLINE_LAMBDA { return e[0] * x + e[1] * y + e[2] * z; };
     const Columns& F = columns[block.begin / kBlock];
     Pack f_x, f_y, f_z, n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
-    const Link<T>* link = links + block.last_link;
+    const Passage* link = passages + block.last_link;
     const Frame* frame = frames + block.last_link + 1;
     while (link->parent > 0) {
-      const Link<T>* const next = links + (link->parent - 1);
+      const Passage* const next = passages + (link->parent - 1);
       const Frame* const inboard = frames + link->parent;
       if (link->column + link->axes > block.begin) {
         // its columns join; the force of those inboard is left out, and their moment stays what it
@@ -327,12 +239,13 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       } else if (isSlide(next->step)) {
         write(next->dof, link->column, along(inboard->z, f_x, f_y, f_z));
       } else {
+        const Link<T>& other = links[link->parent - 1];
         for (int l = 0; l < next->axes; ++l) {
-          const bool slides = next->kind == JointKind::kFloating && l < 3;
+          const bool slides = other.kind == JointKind::kFloating && l < 3;
           const int axis = next->axes == 1 ? 2 : l % 3;
           const T* const e = axis == 0 ? inboard->x : axis == 1 ? inboard->y : inboard->z;
           Pack row = slides ? along(e, f_x, f_y, f_z) : along(e, n_x, n_y, n_z);
-          if (next->kind == JointKind::kHelical) row = row + next->pitch * along(e, f_x, f_y, f_z);
+          if (other.kind == JointKind::kHelical) row = row + other.pitch * along(e, f_x, f_y, f_z);
           write(next->dof + l, link->column, row);
         }
       }

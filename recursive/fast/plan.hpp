@@ -18,13 +18,11 @@
 #include <vector>
 
 #include "recursive/fast/dispatch.hpp"
+#include "recursive/fast/lanes.hpp"
 #include "recursive/fast/vector.hpp"
 #include "recursive/model.hpp"
 
 namespace dynwitness::recursive::fast {
-
-/// How many columns of M are carried inward together.
-inline constexpr int kBlock = 4;
 
 /// What the code of a sweep is specialised for: what the joint does, and the fixed turn before it.
 enum class Step {

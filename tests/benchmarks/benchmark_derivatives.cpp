@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau): sweeps of their own beside
-// the other sweeps on dual numbers, column by column, in one run on the same states.
+// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau): the fast sweeps of their own
+// and the textbook's beside the other sweeps on dual numbers, column by column, and MuJoCo's
+// differences of a step, in one run on the same states.
 #include <fmt/format.h>
 
+#include "crosscheck/chart/raw_mujoco.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/scalars/moving_state.hpp"
@@ -10,6 +12,7 @@
 #include "recursive/build_model.hpp"
 #include "recursive/derivatives.hpp"
 #include "recursive/newton_euler.hpp"
+#include "scene/families.hpp"
 #include "scene/scene.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
@@ -23,7 +26,7 @@ using Moving = Dual<double>;
 
 struct Arm {
   explicit Arm(const std::string& name)
-      : scene(scene::findScene(name)),
+      : scene(named(name)),
         model(recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))) {
     for (int k = 0; k < kStates; ++k)
       states.push_back(
@@ -34,6 +37,11 @@ struct Arm {
     scene::State<double>& state = states[index = (index + 1) % kStates];
     for (scene::JointPosition<double>& x : state.x) x = scene::jointPosition(x.q);
     return state;
+  }
+
+  static scene::Scene named(const std::string& name) {
+    scene::Scene scene;
+    return scene::findFamily(name, &scene) ? scene : scene::findScene(name);
   }
 
   scene::Scene scene;
@@ -60,6 +68,44 @@ void swept(benchmark::State& run, const std::string& scene, bool of_acceleration
     benchmark::ClobberMemory();
   }
 }
+
+void fast(benchmark::State& run, const std::string& scene, bool of_accelerations,
+          const FastBy* by) {
+  Arm arm(scene);
+  std::vector<std::vector<double>> q(kStates);
+  for (std::size_t k = 0; k < q.size(); ++k)
+    for (const scene::JointPosition<double>& x : arm.states[k].x) q[k].push_back(x.q);
+  std::vector<double> three(3 * arm.states[0].qd.size() * arm.states[0].qd.size());
+  void* const sweeps = by->makeDerivatives(&arm.model);
+  std::size_t k = 0;
+  for (auto _ : run) {
+    k = (k + 1) % kStates;
+    const scene::State<double>& s = arm.states[k];
+    if (of_accelerations)
+      by->ofAccelerations(sweeps, q[k].data(), s.qd.data(), s.tau.data(), three.data());
+    else
+      by->ofForces(sweeps, q[k].data(), s.qd.data(), s.qdd.data(), three.data());
+    benchmark::DoNotOptimize(three.data());
+    benchmark::ClobberMemory();
+  }
+  by->releaseDerivatives(sweeps);
+}
+
+#ifdef DYNWITNESS_HAS_MUJOCO
+/// What MuJoCo has of the kind: one-sided differences of its step by q, qd (and no force, since the
+/// model has no actuators).
+void mujocoDifferences(benchmark::State& run, const std::string& scene) {
+  Arm arm(scene);
+  RawMujoco mujoco(arm.scene);
+  const std::size_t n = arm.states[0].qd.size();
+  std::vector<double> A(4 * n * n);
+  for (auto _ : run) {
+    mujoco.stepDifferences(arm.next(), 1e-6, A.data());  // as its own examples
+    benchmark::DoNotOptimize(A.data());
+    benchmark::ClobberMemory();
+  }
+}
+#endif
 
 /// Each column a sweep: of M and of 1/M as well.
 void byDuals(benchmark::State& run, const std::string& scene, bool of_accelerations) {
@@ -98,7 +144,30 @@ void registerDerivatives(BenchResult* result) {
   const std::string own = kFastByOwn.compiler();
   addContender(result, {"recursive", "textbook sweeps, " + own, true});
   addContender(result, {"duals", "textbook sweeps on dual numbers, " + own, true});
-  for (const char* scene : kScenes)
+  addContender(result, {"fast", "fast sweeps, " + own, true});
+  std::vector<std::pair<const char*, const FastBy*>> compilers = {{"fast", &kFastByOwn}};
+#ifdef DYNWITNESS_SECOND_COMPILER
+  addContender(result,
+               {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true});
+  compilers.emplace_back("fast_second", &kFastBySecond);
+#endif
+#ifdef DYNWITNESS_HAS_MUJOCO
+  addContender(result, {"mujoco_differences", "MuJoCo, differences of a step"});
+#endif
+  result->left_out.push_back(
+      "Pinocchio and RBDL: no package of this system has them; data/engines/ has adapters for who does (--engine)");
+  for (const char* scene : {"franka_panda", "humanoid", "humanoid_floating", "chain_64"}) {
+    for (const auto& [name, by] : compilers)
+      for (const auto& [what, of_accelerations] : {std::pair("dtau", false), {"dqdd", true}})
+        benchmark::RegisterBenchmark(
+            fmt::format("{}/{}/{}", scene, what, name).c_str(),
+            [=, by = by, of_accelerations = of_accelerations](benchmark::State& run) {
+              fast(run, scene, of_accelerations, by);
+            });
+#ifdef DYNWITNESS_HAS_MUJOCO
+    benchmark::RegisterBenchmark(fmt::format("{}/dqdd/mujoco_differences", scene).c_str(),
+                                 [=](benchmark::State& run) { mujocoDifferences(run, scene); });
+#endif
     for (const auto& [what, of_accelerations] : {std::pair("dtau", false), {"dqdd", true}})
       for (const auto& [by, function] : {std::pair("recursive", swept), {"duals", byDuals}})
         benchmark::RegisterBenchmark(
@@ -106,6 +175,7 @@ void registerDerivatives(BenchResult* result) {
             [=, function = function, of_accelerations = of_accelerations](benchmark::State& run) {
               function(run, scene, of_accelerations);
             });
+  }
 }
 
 }  // namespace dynwitness::benchmarks

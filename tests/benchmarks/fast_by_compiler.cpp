@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps behind four C functions, so that one program can hold what two compilers make of
+// The fast sweeps behind a few C functions, so that one program can hold what two compilers make of
 // the same source. COMPILER is the prefix of the functions; nothing else is visible outside.
 #include "tests/benchmarks/fast_by_compiler.hpp"
 
+#include "recursive/fast/derivatives.hpp"
 #include "recursive/fast/dynamics.hpp"
 
+using dynwitness::recursive::fast::Derivatives;
 using dynwitness::recursive::fast::Dynamics;
 
 #define JOINED(a, b) a##b
@@ -27,6 +29,25 @@ EXPORTED void NAME(COMPILER, _fast_M)(void* fast, const double* q, double* M) {
 EXPORTED void NAME(COMPILER, _fast_FD)(void* fast, const double* q, const double* qd,
                                        const double* tau, double* qdd) {
   static_cast<Dynamics*>(fast)->forwardDynamics(q, qd, tau, qdd);
+}
+EXPORTED void* NAME(COMPILER,
+                    _derivatives_make)(const dynwitness::recursive::Model<double>* model) {
+  return new Derivatives(*model);
+}
+EXPORTED void NAME(COMPILER, _derivatives_free)(void* fast) {
+  delete static_cast<Derivatives*>(fast);
+}
+EXPORTED void NAME(COMPILER, _fast_dtau)(void* fast, const double* q, const double* qd,
+                                         const double* qdd, double* three) {
+  Derivatives& of = *static_cast<Derivatives*>(fast);
+  const int nn = of.plan().dof * of.plan().dof;
+  of.inverseDynamics(q, qd, qdd, three, three + nn, three + 2 * nn);
+}
+EXPORTED void NAME(COMPILER, _fast_dqdd)(void* fast, const double* q, const double* qd,
+                                         const double* tau, double* three) {
+  Derivatives& of = *static_cast<Derivatives*>(fast);
+  const int nn = of.plan().dof * of.plan().dof;
+  of.forwardDynamics(q, qd, tau, three, three + nn, three + 2 * nn);
 }
 EXPORTED const char* NAME(COMPILER, _fast_compiler)() {
 #define TEXT_OF(x) #x

@@ -30,6 +30,7 @@ long allocations = 0;
 #include "recursive/constraints.hpp"
 #include "recursive/derivatives.hpp"
 #include "recursive/energy.hpp"
+#include "recursive/fast/derivatives.hpp"
 #include "recursive/fast/dynamics.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/regressor.hpp"
@@ -154,6 +155,20 @@ BOOST_DATA_TEST_CASE(the_fast_sweeps_allocate_nothing, data::make(kScenes), scen
                dynamics.forwardDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
              }) == 0);
   BOOST_TEST(b.out[0] != 0);
+}
+
+BOOST_DATA_TEST_CASE(the_fast_derivatives_allocate_nothing, data::make(kScenes), scene) {
+  Bench b(scene);
+  fast::Derivatives of(b.model);
+  const std::vector<double> q(b.x.size(), 0.3);
+  MatrixX<double> by_q = b.M, by_qd = b.M;
+  BOOST_TEST(allocationsIn([&] {
+               of.inverseDynamics(q.data(), b.qd.data(), b.in.data(), by_q.data(), by_qd.data(),
+                                  b.M.data());
+               of.forwardDynamics(q.data(), b.qd.data(), b.in.data(), by_q.data(), by_qd.data(),
+                                  b.M.data());
+             }) == 0);
+  BOOST_TEST(by_q.cwiseAbs().maxCoeff() > 0);
 }
 
 BOOST_DATA_TEST_CASE(the_regressor_allocates_nothing, data::make(kScenes), scene) {
