@@ -27,7 +27,8 @@ struct Arguments {
 
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);
-  const scene::Scene scene = admitted(arguments.scene, Command::kEnvelope);
+  const scene::Scene scene =
+      admitted(arguments.scene, Command::kEnvelope, scene::InertiaNeed::kOfNoJoint);
   requireMotion(scene);
   const std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
   std::vector<EnvelopeBound> bounds;

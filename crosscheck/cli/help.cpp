@@ -64,8 +64,13 @@ bool isExample(const std::string& line) {
 }  // namespace
 
 std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {
-  const std::string name =
-      "  " + make_option_name(option, is_positional) + make_option_opts(option);
+  // what excludes what may take several lines, which texts and options do not begin like
+  const std::string indent = "      ";
+  std::string name;
+  for (const std::string& line :
+       broken(make_option_name(option, is_positional) + make_option_opts(option),
+              kColumns - indent.size()))
+    name += (name.empty() ? "  " : "\n" + indent) + line;
   const std::size_t width = column_width_;
   std::string out = name.size() + 2 <= width ? fmt::format("{:<{}}", name, width)
                                              : name + "\n" + std::string(width, ' ');

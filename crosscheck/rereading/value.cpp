@@ -145,6 +145,7 @@ class ShuntingYard {
       while (!operators_.empty() && operators_.back() != '(') apply();
       if (operators_.empty()) fail("a parenthesis closes nothing");
       operators_.pop_back();
+      if (!operators_.empty() && operators_.back() == kCall) call();
       return false;
     }
     if (c != '+' && c != '-' && c != '*' && c != '/')

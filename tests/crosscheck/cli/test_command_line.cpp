@@ -383,13 +383,18 @@ BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
       BOOST_TEST(outcome.out.find(row) == std::string::npos, row);
   }
   const std::string folder = "new/my charts/cart_pole_";
-  for (const char* picture : {"M.svg", "M_dark.svg", "qdd.svg", "qdd_dark.svg"})
-    BOOST_TEST(program.read(folder + picture).find("</svg>") != std::string::npos, picture);
+  for (const char* picture : {"M.svg", "qdd.svg"}) {
+    const std::string svg = program.read(folder + picture);
+    BOOST_TEST(svg.find("</svg>") != std::string::npos, picture);
+    // one for light and dark: the ink of style.gp for either
+    BOOST_TEST(svg.find("prefers-color-scheme: dark") != std::string::npos, picture);
+    BOOST_TEST(svg.find("#e7eaee") != std::string::npos, picture);
+  }
   for (const char* file : {"M.gp", "M.csv", "qdd.gp", "qdd.csv"})
     BOOST_TEST(program.exists(folder + file), file);
   BOOST_TEST(program.exists("new/my charts/dynwitness_style.gp"));
   BOOST_TEST(program.fileCount("new") == 1u);  // no unfinished folder is left
-  BOOST_TEST(program.fileCount("new/my charts") == 9u);
+  BOOST_TEST(program.fileCount("new/my charts") == 7u);
 
   // a second chart leaves the first, and everybody's files, alone
   program.write("new/my charts/mine.txt", "mine");
