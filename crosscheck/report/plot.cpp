@@ -211,7 +211,7 @@ std::string darkRules() {
     const auto red = rgb >> 16, green = (rgb >> 8) & 255, blue = rgb & 255;
     for (const std::string& as : {fmt::format("rgb({},{},{})", red, green, blue),
                                   fmt::format("rgb({:3}, {:3}, {:3})", red, green, blue)})
-      for (const char* what : {"stroke", "fill"})
+      for (const char* what : {"stroke", "fill", "color"})
         rules += fmt::format("[{0}=\"{1}\"] {{ {0}: #{2} }}\n", what, as, dark);
   }
   return rules;
