@@ -80,6 +80,15 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
   return out + "\n";
 }
 
+std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
+  std::string out = fmt::format("{:<{}}", "  " + command->get_name(), column_width_);
+  const std::vector<std::string> lines =
+      broken(command->get_description(), kColumns - column_width_);
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    out += (k == 0 ? "" : "\n" + std::string(column_width_, ' ')) + lines[k];
+  return out + "\n";
+}
+
 std::string HelpFormatter::make_description(const CLI::App* app) const {
   std::string out;
   for (const std::string& line : broken(app->get_description(), kColumns)) out += line + "\n";
