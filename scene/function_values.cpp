@@ -86,8 +86,8 @@ Bracket arcSine(const Rational& x, unsigned bits) {
   return {Rational(low, unit), Rational(high, unit)};
 }
 
-/// The decimal of kFunctionDigits digits nearest to everything in an interval above 0; nothing where
-/// it is too wide for that.
+/// The decimal of kFunctionDigits digits nearest to everything in an interval above 0; nothing
+/// where it is too wide for that.
 std::optional<Rational> nearestDecimal(const Bracket& v) {
   if (v.low <= 0) return {};
   // 10^exponent <= low < 10^(exponent + 1)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sines, cosines, arcsines and square roots of exact numbers: exact where they can be, otherwise the
-// nearest decimal of 60 digits, by enclosures in integers that grow until it is certain.
+// Sines, cosines, arcsines and square roots of exact numbers: exact where they can be, otherwise
+// the nearest decimal of 60 digits, by enclosures in integers that grow until it is certain.
 #pragma once
 
 #include <map>
@@ -26,8 +26,8 @@ struct FixedSineCosine {
   Integer sine, cosine, error;
 };
 
-/** By Taylor's series of what is left of the angle beside quarter turns k pi/2; of these alone it is
-    exact.
+/** By Taylor's series of what is left of the angle beside quarter turns k pi/2; of these alone it
+    is exact.
     @param bits  256 is quick: pi is kept for it */
 FixedSineCosine fixedSineCosine(const Exact& angle, unsigned bits);
 

@@ -4,8 +4,9 @@
 // Decisions are made in rational arithmetic, so that a mechanism on the border (a thin rod: one
 // principal moment is zero, the other two are equal) is on the right side of it. Where a number has
 // pi in it, or an angle is not a multiple of pi/2, sines and the like are rationals with an error
-// below 1e-60, and the border gets a slack of 1e-40. Where a function is rounded (function_values.hpp)
-// a number is within 1e-50 of itself of what is written, or refused: the same slack holds that, too.
+// below 1e-60, and the border gets a slack of 1e-40. Where a function is rounded
+// (function_values.hpp) a number is within 1e-50 of itself of what is written, or refused: the same
+// slack holds that, too.
 #include <algorithm>
 #include <array>
 #include <cmath>

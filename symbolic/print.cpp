@@ -190,8 +190,8 @@ std::string atomCode(const Atom& atom, Style style) {
   return "";
 }
 
-/// The lines of a function's body: numbers of the scene, state, statements, and the program's outputs,
-/// one a line.
+/// The lines of a function's body: numbers of the scene, state, statements, and the program's
+/// outputs, one a line.
 std::vector<std::string> bodyLines(const Equations& equations, const scene::Mechanism& mechanism,
                                    const Program& program, const Language& language) {
   std::vector<std::string> lines;
@@ -363,7 +363,7 @@ std::string pythonList(const std::vector<std::string>& lines, std::size_t first,
   return text + "]";
 }
 
-/// The rest of a function after its body's lines: the last of them are M row by row, c, g and others.
+/// The rest of a function after its body's lines, of which the last are M row by row, c, g, ...
 std::string pythonResults(const std::vector<std::string>& lines, int n,
                           const std::vector<std::string>& vectors) {
   const std::size_t first = lines.size() - n * (n + vectors.size());

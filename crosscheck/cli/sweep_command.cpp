@@ -162,7 +162,7 @@ Json toJson(const ShownSweep& sweep) {
   return out;
 }
 
-/// Of a scene with a joint that moves no inertia, which no articulated body passes; "": there is none.
+/// Of a scene with a joint that moves no inertia: no articulated body passes it; "": it has none.
 std::string whyNoInverse(const scene::Scene& scene) {
   try {
     scene::requireInertiaOfJoints(scene, "");

@@ -40,8 +40,8 @@ std::string driftsScript(const std::string& title, const std::vector<Drift>& dri
 /// Its table. "method,step_s,worst_energy_error_over_scale"
 std::string driftsCsv(const std::vector<Drift>& drifts);
 
-/** Runs gnuplot on a script in its folder, without a shell. An SVG gets rules of CSS for dark pages, unless
-    it stands on white: one picture for both.
+/** Runs gnuplot on a script in its folder, without a shell. An SVG gets rules of CSS for dark
+    pages, unless it stands on white: one picture for both.
 
     @param pictures  that the script draws, with the ending of `look`
     @return nothing when every file of `pictures` was drawn to its end, else why not (unfinished

@@ -503,8 +503,8 @@ BOOST_AUTO_TEST_CASE(geometry_action_impulse_and_impedance_say_what_they_checked
   }
 }
 
-// A joint that moves no inertia leaves M, c, g, tau and what they are made of to be compared; DART's
-// forward dynamics would end the process there.
+// A joint that moves no inertia leaves M, c, g, tau and what they are made of to be compared; the
+// forward dynamics of DART would end the process there.
 BOOST_AUTO_TEST_CASE(of_a_tip_without_mass_what_needs_no_inverse_is_compared) {
   const Program program;
   program.write("tip.toml", R"(
