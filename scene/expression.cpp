@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "scene/function_values.hpp"
 #include "scene/rational_signs.hpp"
 
 namespace dynwitness::scene {
@@ -28,45 +29,7 @@ using boost::multiprecision::denominator;
 using boost::multiprecision::msb;
 using boost::multiprecision::numerator;
 
-Integer powerOfTen(unsigned n) {
-  return boost::multiprecision::pow(Integer(10), n);
-}
-
-// -------------------------------------------------------------------- pi and correct rounding
-
-/// floor(2^bits arctan(1/x)), but for a unit a term, by the alternating series.
-Integer scaledArctanOfInverse(unsigned x, unsigned bits) {
-  Integer power = (Integer(1) << bits) / x, sum = power;
-  for (unsigned k = 3; power != 0; k += 2) {
-    power /= x * x;
-    sum += k % 4 == 3 ? -(power / k) : Integer(power / k);
-  }
-  return sum;
-}
-
-/// An integer within 1 of 2^bits pi, by Machin's formula pi/4 = 4 arctan(1/5) - arctan(1/239).
-Integer scaledPi(unsigned bits) {
-  const auto compute = [](unsigned b) -> Integer {
-    constexpr unsigned kGuard = 32;  // bits that swallow the rounding of the series
-    const unsigned wide = b + kGuard;
-    return (4 * (4 * scaledArctanOfInverse(5, wide) - scaledArctanOfInverse(239, wide))) >> kGuard;
-  };
-  if (bits != 256) return compute(bits);
-  static const Integer usual = compute(256);
-  return usual;
-}
-
-struct Bracket {
-  Rational low, high;
-};
-
-/// A rational interval around a number with pi in it, narrower as `bits` grows.
-Bracket bracket(const Exact& x, unsigned bits) {
-  const Integer middle = scaledPi(bits), scale = Integer(1) << bits;
-  const Rational a = x.rational + x.pi_multiple * Rational(middle - 1, scale);
-  const Rational b = x.rational + x.pi_multiple * Rational(middle + 1, scale);
-  return {std::min(a, b), std::max(a, b)};
-}
+// -------------------------------------------------------------------------- correct rounding
 
 /// The double nearest to a rational, ties to even; infinite beyond the range of double.
 double nearestDouble(const Rational& x) {
@@ -166,8 +129,9 @@ struct Expression::Node {
   Rational number;   // kNumber
   std::string text;  // kNumber: as it was spelled; kParameter, kCall: its name
   Expression left{nullptr}, right{nullptr};
-  int exponent = 0;  // kPower
-  int height = 0;    // operations on the longest way down to a leaf
+  int exponent = 0;         // kPower
+  int height = 0;           // operations on the longest way down to a leaf
+  bool is_rounded = false;  // kNumber: a function's value (function_values.hpp)
 };
 
 /// Builds nodes, and reads expressions by recursive descent, one function a line of the grammar.
@@ -323,10 +287,7 @@ struct ExpressionParser {
     if (of_time && word == "t") return leaf(Kind::kTime, 0, {});
     skipSpaces();
     if (at < text.size() && text[at] == '(') {
-      if (!of_time) {
-        unexpected("functions in the motion of a joint alone, and after " + word +
-                   " an operator + - * / ^ or the end");
-      }
+      if (!of_time) return functionOfNumber(word);
       const auto is_word = [&word](const char* function) { return word == function; };
       if (std::none_of(std::begin(kFunctions), std::end(kFunctions), is_word)) {
         fail("no function \"" + word + "\", allowed: sin, cos, asin, sqrt, exp");
@@ -336,6 +297,40 @@ struct ExpressionParser {
       return checked(call);
     }
     return leaf(Kind::kParameter, 0, std::move(word));
+  }
+
+  /// A function of numbers is a number: exact, or the decimal that is nearest to it.
+  Expression functionOfNumber(const std::string& word) {
+    const auto is_word = [&word](const char* function) { return word == function; };
+    if (std::none_of(std::begin(kFunctionsOfNumbers), std::end(kFunctionsOfNumbers), is_word))
+      fail("no function \"" + word + "\" of numbers, allowed: sin, cos, asin, sqrt" +
+           (word == "exp" ? " (exp: in motions alone)" : ""));
+    const Expression argument = atom();
+    const std::string spelling = word + "(" + argument.text() + ")";
+    if (const std::set<std::string> names = argument.parameters(); !names.empty())
+      fail("\"" + spelling + "\" is a function of parameter \"" + *names.begin() +
+           "\", allowed: functions of numbers and pi (a parameter may be one: c = \"cos(pi/10)\")");
+    if (hasRounded(argument))
+      fail("\"" + spelling + "\" is a function of a number that is rounded itself, allowed: " +
+           "functions of rational + rational*pi");
+    try {
+      const FunctionValue found = functionValue(word, exactValue(argument, {}, where));
+      if (!isZero(found.value.pi_multiple))
+        return operation(Kind::kMultiply, Expression(found.value.pi_multiple),
+                         leaf(Kind::kPi, 0, {}));
+      Expression value = leaf(Kind::kNumber, found.value.rational, spelling);
+      std::const_pointer_cast<Expression::Node>(value.node_)->is_rounded = found.is_rounded;
+      return value;
+    } catch (const std::domain_error& outside) {
+      fail("\"" + spelling + "\": " + outside.what());
+    }
+  }
+
+  static bool hasRounded(const Expression& e) {
+    if (e.node_->is_rounded) return true;
+    for (const Expression& operand : {e.left(), e.right()})
+      if (operand.node_ && hasRounded(operand)) return true;
+    return false;
   }
 
   std::string digits() {
@@ -387,6 +382,14 @@ struct ExpressionParser {
 Expression::Expression() : node_(nullptr) {
   static const Expression zero(Rational(0));  // shared: most numbers of a scene are left out
   node_ = zero.node_;
+}
+
+bool isRoundedFunction(const Expression& number) {
+  return number.kind() == Expression::Kind::kNumber && ExpressionParser::hasRounded(number);
+}
+
+bool hasRoundedFunction(const Expression& expression) {
+  return ExpressionParser::hasRounded(expression);
 }
 
 // Only what the grammar calls a decimal is one leaf: -2 is the negative of 2, and 1/3 a quotient,

@@ -4,7 +4,9 @@
 // Decisions are made in rational arithmetic, so that a mechanism on the border (a thin rod: one
 // principal moment is zero, the other two are equal) is on the right side of it. Where a number has
 // pi in it, or an angle is not a multiple of pi/2, sines and the like are rationals with an error
-// below 1e-60, and the border gets a slack of 1e-40.
+// below 1e-60, and the border gets a slack of 1e-40. Where a function is rounded
+// (function_values.hpp) a number is within 1e-50 of itself of what is written, or refused: the same
+// slack holds that, too.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,13 +14,13 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <tuple>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "scene/arrange.hpp"
+#include "scene/function_values.hpp"
 #include "scene/impossible_inertia.hpp"
 #include "scene/inertia_need.hpp"
 #include "scene/mimic.hpp"
@@ -48,51 +50,12 @@ struct SineAndCosine {
   bool is_exact;
 };
 
-/// Halves go towards zero.
-Integer nearestInteger(const Rational& x) {
-  const Integer n = abs(numerator(x)), d = denominator(x);
-  const Integer magnitude = (2 * n + d - 1) / (2 * d);
-  return x < 0 ? Integer(-magnitude) : magnitude;
-}
-
-/// Exact for multiples of pi/2, otherwise by Taylor's series, with an error below 1e-60.
+/// Exact for multiples of pi/2, otherwise with an error below 1e-60.
 SineAndCosine sineAndCosine(const Exact& angle) {
-  // angle = k pi/2 + rest, |rest| <= pi/4; a huge angle takes several rounds of 60 digits each
-  static const Rational half_pi = Exact{0, Rational(1, 2)}.approximation();
-  Integer k = 0;
-  Exact rest = angle;
-  for (Integer more = 1; more != 0; k += more) {
-    more = nearestInteger(rest.approximation() / half_pi);
-    rest.pi_multiple -= Rational(more, 2);
-  }
-  Rational s = 0, c = 1;
-  if (!rest.isZero()) {
-    constexpr unsigned kBits = 256;  // fixed point: series in plain rationals grow without bound
-    const Integer one = Integer(1) << kBits;
-    const Rational scaled = rest.approximation() * one;
-    const Integer x = numerator(scaled) / denominator(scaled);
-    Integer sine = 0, cosine = 0, term = one;  // term = x^n / n!
-    for (unsigned n = 0; term != 0; ++n) {
-      (n % 2 == 0 ? cosine : sine) += n % 4 < 2 ? term : Integer(-term);
-      term = term * x / one / (n + 1);
-    }
-    s = Rational(sine, one);
-    c = Rational(cosine, one);
-  }
-  switch (static_cast<int>(((k % 4) + 4) % 4)) {
-    case 0:
-      break;
-    case 1:
-      std::tie(s, c) = std::make_tuple(c, Rational(-s));
-      break;
-    case 2:
-      std::tie(s, c) = std::make_tuple(Rational(-s), Rational(-c));
-      break;
-    default:
-      std::tie(s, c) = std::make_tuple(Rational(-c), s);
-      break;
-  }
-  return {s, c, rest.isZero()};
+  constexpr unsigned kBits = 256;  // of fixed point: plain rationals would grow without bound
+  const FixedSineCosine fixed = fixedSineCosine(angle, kBits);
+  const Integer one = Integer(1) << kBits;
+  return {Rational(fixed.sine, one), Rational(fixed.cosine, one), fixed.error == 0};
 }
 
 using scene::operator*;  // which Frame's own would hide
@@ -132,7 +95,7 @@ class Validator {
   void run(InertiaNeed need) {
     requireTree();
     requireUniqueNames(mechanism_.links);
-    values_ = mechanism_.parameterValues();
+    findParameters();
     requireValues();
     requireBodies();
     for (const Link& link : mechanism_.links)
@@ -156,7 +119,7 @@ class Validator {
   std::vector<std::string> impossibleInertias();
 
   void requireInertiaFor(const std::string& asked) {
-    values_ = mechanism_.parameterValues();
+    findParameters();
     requireBodies();
     requireInertiaOutboard(asked);
   }
@@ -172,11 +135,13 @@ class Validator {
 
   Rational value(const Number& n) {
     const Exact x = exactValue(n, values_, file_);
-    is_exact_ = is_exact_ && x.isRational();
+    is_exact_ = is_exact_ && x.isRational() &&
+                errorOfFunctions(n, values_, parameter_errors_, file_).is_zero();
     return x.approximation();
   }
   RationalVector vector(const Vector& v) { return {value(v[0]), value(v[1]), value(v[2])}; }
 
+  void findParameters();
   void requireTree();
   void requireValues() const;
   void requireBodies();
@@ -212,6 +177,7 @@ class Validator {
   const Mechanism& mechanism_;
   SourceLocation file_;
   ParameterValues values_;
+  ParameterErrors parameter_errors_;  ///< of those that have rounded functions in them
   std::vector<Body> bodies_;
   std::vector<int> first_child_, next_child_;  ///< of each link; -1: none
   std::vector<int> carriers_;  ///< of each link the link that moves it; 0, the root: none does
@@ -219,6 +185,14 @@ class Validator {
   std::optional<double> size_;
   bool is_exact_ = true;  ///< no rounding in the decision that is being made
 };
+
+void Validator::findParameters() {
+  values_ = mechanism_.parameterValues();
+  for (const Parameter& p : mechanism_.parameters) {
+    const Rational error = errorOfFunctions(p.value, values_, parameter_errors_, p.where);
+    if (!error.is_zero()) parameter_errors_[p.name] = error;
+  }
+}
 
 void Validator::requireTree() {
   const std::vector<Link>& links = mechanism_.links;
@@ -253,7 +227,10 @@ void Validator::requireTree() {
 /// Every number has a finite value. (The readers have said so with a better line number.)
 void Validator::requireValues() const {
   const auto require = [this](const auto& numbers, const SourceLocation& where) {
-    for (const Number& n : numbers) exactValue(n, values_, where);
+    for (const Number& n : numbers) {
+      exactValue(n, values_, where);
+      errorOfFunctions(n, values_, parameter_errors_, where);
+    }
   };
   require(mechanism_.gravity, file_);
   require(scene_.start_q, file_);
@@ -354,7 +331,7 @@ std::string Validator::impossible(const Link& link, const RationalMatrix& given,
 }
 
 std::vector<std::string> Validator::impossibleInertias() {
-  values_ = mechanism_.parameterValues();
+  findParameters();
   for (const Link& link : mechanism_.links) bodies_.push_back(body(link));
   std::vector<std::string> out;
   for (const auto& [link, what] : complaints_)

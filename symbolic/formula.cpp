@@ -351,7 +351,9 @@ class Printer {
   }
 
  private:
-  bool isCode() const { return style_ == Style::kC || style_ == Style::kPython; }
+  bool isCode() const {
+    return style_ == Style::kC || style_ == Style::kPython || style_ == Style::kSympy;
+  }
   bool isFraction(const Rational& r) const {
     return denominator(r) != 1 && (denominator(r) <= 12 || !isDecimal(r));
   }
@@ -375,6 +377,10 @@ class Printer {
   }
 
   std::string number(const Rational& r) const {
+    if (style_ == Style::kSympy)
+      return denominator(r) == 1
+                 ? r.str()
+                 : "Rational(" + numerator(r).str() + ", " + denominator(r).str() + ")";
     if (isCode()) {
       std::array<char, 40> text;
       const auto end =
@@ -532,7 +538,9 @@ class Printer {
       std::string text = at(base, 4);
       const std::string factor = text;
       for (int i = 1; i < n; ++i) text += "*" + factor;
-      if (f.exponent < 0) return "(1.0/" + (n > 1 ? "(" + text + ")" : text) + ")";
+      if (f.exponent < 0)
+        return (style_ == Style::kSympy ? "(1/" : "(1.0/") + (n > 1 ? "(" + text + ")" : text) +
+               ")";
       return "(" + text + ")";
     }
     std::string text;

@@ -122,8 +122,14 @@ scene::AxisTurn<Value> NodeNumbers::axisTurn(const scene::Vector& axis, int labe
     turn.alpha.c = constant(graph_, exact[0].rational / rho);
     turn.alpha.s = constant(graph_, exact[1].rational / rho);
   } else {
-    turn.alpha.c = is_zero[0] ? zero : symbol(Atom::Kind::kCosAlpha, "cos(alpha");
-    turn.alpha.s = is_zero[1] ? zero : symbol(Atom::Kind::kSinAlpha, "sin(alpha");
+    // alone beside z it is the cosine or sine of a quarter turn, whose sign a symbol does not tell
+    const auto aloneBesideZ = [&](int i, Atom::Kind kind, const char* what) {
+      if (is_zero[1 - i] && isExact(axis[i]))
+        return constant(graph_, exact[i].approximation() < 0 ? -1 : 1);
+      return symbol(kind, what);
+    };
+    turn.alpha.c = is_zero[0] ? zero : aloneBesideZ(0, Atom::Kind::kCosAlpha, "cos(alpha");
+    turn.alpha.s = is_zero[1] ? zero : aloneBesideZ(1, Atom::Kind::kSinAlpha, "sin(alpha");
   }
   if (rho_exact && squareRoot(rho * rho + exact[2].rational * exact[2].rational, &length)) {
     turn.beta.c = constant(graph_, exact[2].rational / length);

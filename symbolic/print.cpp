@@ -32,7 +32,7 @@ std::string rotationCode(int entry, const Position& position) {
 }
 
 bool isCode(Style style) {
-  return style == Style::kC || style == Style::kPython;
+  return style == Style::kC || style == Style::kPython || style == Style::kSympy;
 }
 
 /// The variable that holds a number of the scene in a program.
@@ -147,10 +147,12 @@ struct CodeAlgebra {
   Style style;
   Code number(const Rational& r) const {
     const std::string text = print(Formula::ofNumber(r), style);
+    // quotients of Python's own integers are floating-point numbers
+    if (style == Style::kSympy && denominator(r) == 1) return {"Integer(" + text + ")"};
     return {r < 0 ? "(" + text + ")" : text};
   }
   Code parameter(const std::string& name) const { return {identifier(name)}; }
-  Code pi() const { return {"3.141592653589793"}; }
+  Code pi() const { return {style == Style::kSympy ? "pi" : "3.141592653589793"}; }
 };
 
 /// The differences between the two languages.
@@ -188,7 +190,8 @@ std::string atomCode(const Atom& atom, Style style) {
   return "";
 }
 
-/// The lines of a function's body: numbers of the scene, state, statements.
+/// The lines of a function's body: numbers of the scene, state, statements, and the program's
+/// outputs, one a line.
 std::vector<std::string> bodyLines(const Equations& equations, const scene::Mechanism& mechanism,
                                    const Program& program, const Language& language) {
   std::vector<std::string> lines;
@@ -248,7 +251,9 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
         let(name, "tau" + index);
         break;
       case Input::kDirection:
-        let(name, "(qd" + index + " > 0) - (qd" + index + " < 0)");
+        let(name, language.style == Style::kSympy
+                      ? "sign(qd" + index + ")"
+                      : "(qd" + index + " > 0) - (qd" + index + " < 0)");
         break;
       case Input::kRotation:
         let(name, rotationCode(load.joint, position));
@@ -267,7 +272,7 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
     return print(leafFormula(program, slot, language.style), language.style);
   };
   const int n = equations.dof();
-  for (int i = 0; i < n * (n + 2); ++i) {
+  for (int i = 0; i < static_cast<int>(program.outputs.size()); ++i) {
     const std::string value = resultText(program.outputs[i]);
     if (language.style == Style::kC) {
       const std::string target = i < n * n         ? "M[" + std::to_string(i) + "]"
@@ -320,6 +325,8 @@ Formula leafFormula(const Program& program, int slot, Style style) {
   throw std::invalid_argument("leafFormula: slot: expected a number or a component of the state");
 }
 
+namespace {
+
 /// What a reader of the code must know beyond the names of joints: lines, each with this in front.
 std::string notes(const scene::Mechanism& mechanism, const std::string& indent) {
   std::string text;
@@ -335,15 +342,58 @@ std::string notes(const scene::Mechanism& mechanism, const std::string& indent) 
         "length from 1e-150 to 1e150 (it is squared), a floating one x, y, z [m] and then a\n" +
         indent +
         "quaternion; their rates are the body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";
-  if (mechanism.hasFriction())
-    text += indent +
-            "friction is left out: viscous qd + coulomb sign(qd) of each joint belong to tau\n";
   if (!mechanism.isOpenTree())
     text += indent +
             "these are the equations of the tree alone, without its closures and springs between "
             "points\n";
   return text;
 }
+
+std::string withoutFriction(const scene::Mechanism& mechanism, const std::string& indent) {
+  return mechanism.hasFriction()
+             ? indent +
+                   "friction is left out: viscous qd + coulomb sign(qd) of each joint belong to tau\n"
+             : "";
+}
+
+/// Rows of a list, as many lines from `first` on as it has columns.
+std::string pythonList(const std::vector<std::string>& lines, std::size_t first, int count) {
+  std::string text = "[";
+  for (int i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + lines[first + i];
+  return text + "]";
+}
+
+/// The rest of a function after its body's lines, of which the last are M row by row, c, g, ...
+std::string pythonResults(const std::vector<std::string>& lines, int n,
+                          const std::vector<std::string>& vectors) {
+  const std::size_t first = lines.size() - n * (n + vectors.size());
+  std::string text;
+  for (std::size_t i = 0; i < first; ++i) text += "    " + lines[i] + "\n";
+  text += "    M = [\n";
+  for (int i = 0; i < n; ++i) text += "        " + pythonList(lines, first + i * n, n) + ",\n";
+  text += "    ]\n";
+  for (std::size_t k = 0; k < vectors.size(); ++k)
+    text += "    " + vectors[k] + " = " + pythonList(lines, first + (n + k) * n, n) + "\n";
+  return text;
+}
+
+/// "q1, q2": symbols of SymPy, as the text that symbols() takes.
+std::string sympySymbols(const std::string& letter, int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += (i > 0 ? " " : "") + letter + std::to_string(i + 1);
+  return text;
+}
+
+/// A number as SymPy has it, exactly.
+std::string sympyNumber(const scene::Exact& x) {
+  const auto rational = [](const Rational& r) {
+    return print(Formula::ofNumber(r), Style::kSympy);
+  };
+  if (x.pi_multiple == 0) return rational(x.rational);
+  return (x.rational == 0 ? "" : rational(x.rational) + " + ") + rational(x.pi_multiple) + "*pi";
+}
+
+}  // namespace
 
 std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
                   const std::string& name) {
@@ -353,8 +403,8 @@ std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
   std::string text =
       "/* M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n"
       "   joints: " +
-      jointList(equations) + "\n" + notes(mechanism, "   ") + "   " +
-      std::to_string(count.multiplications) + " multiplications, " +
+      jointList(equations) + "\n" + notes(mechanism, "   ") + withoutFriction(mechanism, "   ") +
+      "   " + std::to_string(count.multiplications) + " multiplications, " +
       std::to_string(count.additions) +
       " additions\n"
       "   parameters: " +
@@ -381,16 +431,11 @@ std::string emitPython(const Equations& equations, const scene::Mechanism& mecha
   const int n = equations.dof();
   std::vector<std::string> lines =
       bodyLines(equations, mechanism, program, {Style::kPython, "", ""});
-  const std::size_t first = lines.size() - n * (n + 2);
-  const auto list = [&](std::size_t from) {
-    std::string text = "[";
-    for (int i = 0; i < n; ++i) text += (i > 0 ? ", " : "") + lines[from + i];
-    return text + "]";
-  };
   std::string text =
       "\"\"\"M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n\n"
       "joints: " +
-      jointList(equations) + "\n" + notes(mechanism, "") + "parameters: " +
+      jointList(equations) + "\n" + notes(mechanism, "") + withoutFriction(mechanism, "") +
+      "parameters: " +
       (mechanism.parameters.empty() ? "none" : parameterList(mechanism, Style::kPython, true)) +
       "\n\"\"\"\n"
       "from math import cos, sin, sqrt\n\n"
@@ -401,11 +446,46 @@ std::string emitPython(const Equations& equations, const scene::Mechanism& mecha
       name +
       "(q, qd, parameters=PARAMETERS):\n"
       "    \"\"\"Mass matrix M, Coriolis and centrifugal forces c, gravity forces g.\"\"\"\n";
-  for (std::size_t i = 0; i < first; ++i) text += "    " + lines[i] + "\n";
-  text += "    M = [\n";
-  for (int i = 0; i < n; ++i) text += "        " + list(first + i * n) + ",\n";
-  text += "    ]\n    c = " + list(first + n * n) + "\n    g = " + list(first + n * (n + 1)) + "\n";
-  return text + "    return M, c, g\n";
+  return text + pythonResults(lines, n, {"c", "g"}) + "    return M, c, g\n";
+}
+
+std::string emitSympy(const Equations& equations, const scene::Mechanism& mechanism) {
+  std::vector<Node> outputs = massCoriolisGravity(equations);
+  outputs.insert(outputs.end(), equations.Q.begin(), equations.Q.end());
+  const int n = equations.dof(), positions = static_cast<int>(scene::givenSlots(mechanism).size());
+  const std::vector<std::string> lines =
+      bodyLines(equations, mechanism, compile(equations.graph, outputs), {Style::kSympy, "", ""});
+  const scene::ParameterValues values = mechanism.parameterValues();
+  std::string names, numbers;
+  for (const scene::Parameter& p : mechanism.parameters) {
+    // a parameter that is called as a coordinate is not that coordinate
+    const bool is_coordinate = p.name.find_first_not_of("qd0123456789") == std::string::npos;
+    names += (names.empty() ? "" : " ") + (is_coordinate ? identifier(p.name) : p.name);
+    numbers += (numbers.empty() ? "" : ", ") + sympyNumber(values.at(p.name));
+  }
+  const auto tuple = [](const std::string& symbols) {
+    return symbols.empty() ? "()" : "symbols(\"" + symbols + "\", real=True, seq=True)";
+  };
+  return "\"\"\"M(q) qdd + c(q, qd) + g(q) = tau + Q(q, qd) as expressions of SymPy. Written by dynwitness\n"
+         "from T and V.\n\n"
+         "M, c, g, Q and tau are matrices in the symbols q, qd, qdd and parameters, whose values in this\n"
+         "scene are VALUES: M.subs(VALUES), M.diff(q[0]), lambdify([*q, *qd, *qdd], tau.subs(VALUES), cse=True).\n"
+         "Q is what constant wrenches and friction do. equations() takes other symbols or functions of time.\n\n"
+         "joints: " +
+         jointList(equations) + "\n" + notes(mechanism, "") +
+         "\"\"\"\n"
+         "from sympy import Integer, Matrix, Rational, cos, pi, sign, sin, sqrt, symbols\n\n\n"
+         "def equations(q, qd, parameters):\n"
+         "    \"\"\"M row by row, c, g and Q at positions, rates and parameters of any kind.\"\"\"\n" +
+         pythonResults(lines, n, {"c", "g", "Q"}) +
+         "    return M, c, g, Q\n\n\n"
+         "q = " +
+         tuple(sympySymbols("q", positions)) + "\nqd = " + tuple(sympySymbols("qd", n)) +
+         "\nqdd = " + tuple(sympySymbols("qdd", n)) + "\nparameters = " + tuple(names) +
+         "\nVALUES = dict(zip(parameters, [" + numbers +
+         "]))\n"
+         "M, c, g, Q = (Matrix(part) for part in equations(q, qd, parameters))\n"
+         "tau = M*Matrix(qdd) + c + g - Q\n";
 }
 
 }  // namespace dynwitness::symbolic

@@ -22,7 +22,7 @@ struct Statement {
 
 /** A program as lines: definitions keep their names, shared values are called t1, t2, ..., and a
     value that is used once stands where it is used.
-    @param style  kC and kPython write parameters as identifiers */
+    @param style  kC, kPython and kSympy write parameters as identifiers */
 std::vector<Statement> statements(const Program& program, Style style);
 
 /// The formula of a slot that no statement computes: a number or a component of the state.
@@ -38,6 +38,11 @@ Formula leafFormula(const Program& program, int slot, Style style = Style::kText
     parameters, the argument is not read. The same scene gives the same bytes. */
 std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
                   const std::string& name);
+
+/** The same as a Python module of SymPy's expressions with exact numbers: M, c, g, Q (constant
+    wrenches and friction) and tau = M qdd + c + g - Q in symbols q1.., qd1.., qdd1.. and the parameters, which
+    VALUES maps to the scene's own. */
+std::string emitSympy(const Equations& equations, const scene::Mechanism& mechanism);
 
 /// The same as a Python module that needs the standard library alone:
 /// NAME(q, qd, parameters=PARAMETERS) returns (M, c, g) as lists.

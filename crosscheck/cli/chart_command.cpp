@@ -105,7 +105,7 @@ Run addChart(CLI::App* command) {
   for (const char* of_questions : {"--quantity", "--random", "--seed", "--witness", "--engine"})
     command->get_option(of_questions)->excludes(command->get_option("--simulate"));
   addOutput(*command, arguments->output,
-            "folder for SCENE_QUANTITY (or _simulate) .csv, .gp, .svg and _dark.svg");
+            "folder for SCENE_QUANTITY (or _simulate) .csv, .gp and .svg");
   addPictures(*command, arguments->look);
   command->footer(
       "Examples:\n"

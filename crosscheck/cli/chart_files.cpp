@@ -3,7 +3,6 @@
 
 #include <fstream>
 #include <iterator>
-#include <regex>
 
 #include <fmt/format.h>
 
@@ -22,14 +21,13 @@ std::string chartScript(const scene::Scene& scene, const std::string& title,
                         const std::string& stem, const std::string& body) {
   return fmt::format(
       "# Draw again with:  gnuplot {0}.gp\n"
-      "do for [dark = 0:1] {{\n"
       "load '{1}'\n"
       "eval canvas(900, 600, 16)\n"
       "set output picture_file('{0}')\n"
       "set datafile separator ','\n"
       "set title {2} textcolor rgb ink\n"
       "{3}"
-      "unset output\nreset\n}}\n",
+      "unset output\n",
       stem, kChartStyle,
       gnuplotString(oneLine(scene.title.empty() ? scene.name : scene.title) + ": " + title), body);
 }
@@ -45,13 +43,13 @@ void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScri
     files.push_back(stem + ".csv");
   }
   for (const auto& [stem, script] : scripts) {
-    const std::vector<std::string> pictures = {stem + "." + look.kind, stem + "_dark." + look.kind};
+    const std::string picture = stem + "." + look.kind;
     work.write(stem + ".gp", script);
     files.push_back(stem + ".gp");
-    if (const auto failure = runGnuplot(work.path(), stem + ".gp", pictures, look))
+    if (const auto failure = runGnuplot(work.path(), stem + ".gp", {picture}, look))
       problem = *failure;
     else
-      files.insert(files.end(), pictures.begin(), pictures.end());
+      files.push_back(picture);
   }
   fs::create_directories(folder);
   for (const std::string& file : files) {
@@ -72,9 +70,10 @@ void addPictures(CLI::App& command, PictureLook& look) {
 
 void addBackground(CLI::App& command, PictureLook& look) {
   command
-      .add_option("--background", look.paper,
-                  "What pictures stand on; without: SVG and PDF on nothing, PNG on white (the dark "
-                  "ones on dark)")
+      .add_option(
+          "--background", look.paper,
+          "What pictures stand on; without: SVG and PDF on nothing, PNG on white. An SVG on "
+          "nothing is for light and dark pages: its colours follow the viewer's")
       ->check(oneOf({"white", "transparent"}));
 }
 
@@ -89,43 +88,17 @@ PictureLook lookOfFile(const std::filesystem::path& file, PictureLook look) {
   return look;
 }
 
-namespace {
-
-/// Rules of CSS that give each colour of style.gp its dark one.
-std::string darkRules() {
-  static const std::regex kPair("dark \\? '#([0-9a-f]{6})' : '#([0-9a-f]{6})'");
-  const std::string style(kStyleGnuplot);
-  std::string rules;
-  for (std::sregex_iterator it(style.begin(), style.end(), kPair), end; it != end; ++it) {
-    const std::string dark = (*it)[1], light = (*it)[2];
-    const unsigned long rgb = std::stoul(light, nullptr, 16);
-    const auto red = rgb >> 16, green = (rgb >> 8) & 255, blue = rgb & 255;
-    for (const std::string& as : {fmt::format("rgb({},{},{})", red, green, blue),
-                                  fmt::format("rgb({:3}, {:3}, {:3})", red, green, blue)})
-      for (const char* what : {"stroke", "fill"})
-        rules += fmt::format("[{0}=\"{1}\"] {{ {0}: #{2} }}\n", what, as, dark);
-  }
-  return rules;
-}
-
-}  // namespace
-
-std::string finishedPicture(const std::filesystem::path& file, const PictureLook& look) {
+std::string finishedPicture(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  std::string picture(std::istreambuf_iterator<char>(stream), {});
-  const std::size_t begin = picture.find("<svg");
-  if (look.kind != "svg" || look.paper == "white" || begin == std::string::npos) return picture;
-  picture.insert(picture.find('>', begin) + 1,
-                 "\n<style>@media (prefers-color-scheme: dark) {\n" + darkRules() + "}</style>");
-  return picture;
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,
-            const std::string& stem, const std::vector<std::string>& pictures,
-            const PictureLook& look) {
-  if (const auto failure = runGnuplot(folder, stem + ".gp", pictures, look))
+            const std::string& stem, const PictureLook& look) {
+  const std::string picture = stem + "." + look.kind;
+  if (const auto failure = runGnuplot(folder, stem + ".gp", {picture}, look))
     throw std::runtime_error("chart: " + *failure);
-  writeWholeFile(file, finishedPicture(folder / pictures.front(), look));
+  writeWholeFile(file, finishedPicture(folder / picture));
 }
 
 }  // namespace dynwitness::cli

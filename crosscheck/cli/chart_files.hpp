@@ -20,12 +20,12 @@ inline constexpr const char* kChartStyle = "dynwitness_style.gp";
 struct ChartData {
   std::string stem, csv;
 };
-/// STEM.gp, which loads kChartStyle and draws STEM.svg and STEM_dark.svg, or .png, .pdf.
+/// STEM.gp, which loads kChartStyle and draws STEM.svg, .png or .pdf.
 struct ChartScript {
   std::string stem, script;
 };
 
-/** A script of one chart of 900 x 600, light and dark, from STEM.csv.
+/** A script of one chart of 900 x 600 from STEM.csv.
     @param title  beside the scene's
     @param body   axes and the plot, in lines of their own */
 std::string chartScript(const scene::Scene& scene, const std::string& title,
@@ -40,14 +40,12 @@ void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScri
 /// The look of the picture that --plot asks for, whose kind its ending says.
 /// @throws scene::InputError  another ending
 crosscheck::PictureLook lookOfFile(const std::filesystem::path& file, crosscheck::PictureLook look);
-/// The bytes of a drawn picture; an SVG on nothing has the colours of dark pages, too, for viewers
-/// that prefer them: one picture for both.
-std::string finishedPicture(const std::filesystem::path& file, const crosscheck::PictureLook& look);
-/// Draws STEM.gp of a folder. What becomes of it is the first of these pictures.
+/// The bytes of a drawn picture.
+std::string finishedPicture(const std::filesystem::path& file);
+/// Draws STEM.gp of a folder, which makes STEM.svg, .png or .pdf there.
 /// @throws std::runtime_error  gnuplot does not finish it
 void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,
-            const std::string& stem, const std::vector<std::string>& pictures,
-            const crosscheck::PictureLook& look);
+            const std::string& stem, const crosscheck::PictureLook& look);
 
 /// --format svg|png|pdf of pictures, and --background.
 void addPictures(CLI::App& command, crosscheck::PictureLook& look);

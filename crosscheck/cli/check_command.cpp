@@ -78,7 +78,8 @@ int runFormulas(const Arguments& arguments, std::vector<StatedFormula> formulas)
                           "--answer, --answers, --seed, --format, -o",
                           option));
   for (const std::string& text : arguments.formulas) formulas.push_back({text, {"--answer", 0}});
-  const scene::Scene scene = admitted(arguments.scene, Command::kCheckFormulas);
+  const scene::Scene scene =
+      admitted(arguments.scene, Command::kCheckFormulas, scene::InertiaNeed::kOfNoJoint);
   requireMotion(scene);
   std::optional<Progress> progress(std::in_place, "check of " + scene.name);
   const JudgedFormulas judged = judgeFormulas(scene, formulas, arguments.options.seed);

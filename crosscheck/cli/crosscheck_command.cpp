@@ -71,7 +71,8 @@ std::vector<scene::Scene> scenesOf(const CrosscheckArguments& arguments) {
   for (const std::string& name : arguments.scenes) {
     GivenScene given = arguments.given;
     given.name = name;
-    scenes.push_back(readScene(given));
+    // joints that move no inertia: what needs no inverse of M is compared all the same
+    scenes.push_back(readScene(given, scene::InertiaNeed::kOfNoJoint));
     for (const std::string& what : scenes.back().not_modelled)
       tell(fmt::format("{}: {}\n", scenes.back().name, what));
   }

@@ -37,11 +37,11 @@ struct DeriveArguments {
   bool operations = false, proof = false, linearized = false, no_checks = false;
 
   bool isAll() const { return quantities == std::vector<std::string>{"all"}; }
-  bool isProgram() const { return format == "c" || format == "python"; }
+  bool isProgram() const { return format == "c" || format == "python" || format == "sympy"; }
   /// Code of the smallest roads, not M, c and g of named parameters.
   bool isCode() const {
     return format == "matlab" || format == "julia" ||
-           (isProgram() && (!isAll() || parameters == "struct"));
+           (isProgram() && format != "sympy" && (!isAll() || parameters == "struct"));
   }
   /// An option that only a derivation to be read has; "": none is given.
   std::string ofReading() const {
@@ -242,9 +242,15 @@ int runDerive(const DeriveArguments& arguments) {
     if (arguments.operations) {
       out.text = operationsTable(scene);
     } else if (is_program) {
-      symbolic::Equations equations = symbolic::derive(scene.mechanism);
-      out.text = arguments.format == "c"
-                     ? symbolic::emitC(equations, scene.mechanism, scene.name)
+      if (!arguments.isAll())
+        throw scene::InputError({},
+                                fmt::format("--format sympy with --quantity {}: it is M, c, g and "
+                                            "tau, allowed: --quantity all",
+                                            fmt::join(arguments.quantities, ",")));
+      const symbolic::Equations equations = symbolic::derive(scene.mechanism);
+      out.text = arguments.format == "c" ? symbolic::emitC(equations, scene.mechanism, scene.name)
+                 : arguments.format == "sympy"
+                     ? symbolic::emitSympy(equations, scene.mechanism)
                      : symbolic::emitPython(equations, scene.mechanism, scene.name);
     } else {
       out = derivationText(scene, arguments.shown());
@@ -274,16 +280,18 @@ Run addDerive(CLI::App* command) {
       "dynwitness derive puma_560 --format c --quantity tau,qdd,M,c,g -o puma\n"
       "dynwitness derive puma_560 --format c --quantity tau,M --parameters struct -o puma\n"
       "dynwitness derive puma_560 --format c --scalar float --quantity jacobian --point link_6\n\n"
-      "--quantity all as c or python: M, c and g of the scene's named parameters, by T and V. Any "
+      "--quantity all as c, python or sympy: M, c and g of the scene's named parameters, by T and V; "
+      "sympy is a Python module of SymPy's expressions, tau among them. Any "
       "other list, --parameters struct, matlab and julia (there all is tau,qdd,M,c,g): code for a controller from "
       "the smallest programs (--operations), all numbers of the scene folded, or with --parameters "
       "struct under names, what depends on them alone computed once; into the folder -o, with a "
-      "test of it beside it. No allocation, no library but libm; friction and wrenches are "
+      "test of it beside it. What is written for C, Python, SymPy and MATLAB (by Octave) is run by this "
+      "project's tests; Julia was never run here: Debian has no package of it. No allocation, no library but libm; friction and wrenches are "
       "in tau and qdd. Refused: closures, springs between points, joints that follow others, and "
       "what takes more operations than a straight line is good for.");
   command->add_option("--format", arguments->format, "How it is written")
       ->capture_default_str()
-      ->check(oneOf({"text", "latex", "html", "c", "python", "matlab", "julia"}));
+      ->check(oneOf({"text", "latex", "html", "c", "python", "sympy", "matlab", "julia"}));
   command
       ->add_option("--quantity", arguments->quantities,
                    "Quantities: whose steps are shown (M, c, g, all), or which functions code has: "

@@ -101,8 +101,9 @@ std::vector<scene::JointRanges> envelopeOf(const GivenScene& given, const scene:
   return scene::readEnvelope(changed);
 }
 
-scene::Scene admitted(const GivenScene& given, crosscheck::Command command) {
-  scene::Scene scene = readScene(given);
+scene::Scene admitted(const GivenScene& given, crosscheck::Command command,
+                      scene::InertiaNeed need) {
+  scene::Scene scene = readScene(given, need);
   admit(scene, {command});
   return scene;
 }

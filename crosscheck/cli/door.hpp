@@ -49,6 +49,7 @@ scene::Scene readSceneFor(const GivenScene& given, const std::string& solved);
 std::vector<scene::JointRanges> envelopeOf(const GivenScene& given, const scene::Scene& scene);
 
 /// The scene, let in.
-scene::Scene admitted(const GivenScene& given, crosscheck::Command command);
+scene::Scene admitted(const GivenScene& given, crosscheck::Command command,
+                      scene::InertiaNeed need = scene::InertiaNeed::kOfEachJoint);
 
 }  // namespace dynwitness::cli

@@ -28,7 +28,8 @@ struct Arguments {
 
 int run(Arguments arguments) {
   requireWritableFile(arguments.json);
-  const scene::Scene scene = admitted(arguments.scene, Command::kEnvelope);
+  const scene::Scene scene =
+      admitted(arguments.scene, Command::kEnvelope, scene::InertiaNeed::kOfNoJoint);
   requireMotion(scene);
   arguments.options.masses = shareOf("--masses-within", arguments.masses);
   const EnvelopeBoxes boxes =

@@ -34,7 +34,7 @@ void drawTrajectory(const std::filesystem::path& csv, const std::string& title,
   crosscheck::writeWholeFile(folder / "motion.gp", script);
   if (const auto failure = crosscheck::runGnuplot(folder, "motion.gp", {picture_file}, look))
     throw std::runtime_error("no picture: " + *failure);
-  const std::string picture = finishedPicture(folder / picture_file, look);
+  const std::string picture = finishedPicture(folder / picture_file);
   if (output.empty())
     fmt::print("{}", picture);
   else

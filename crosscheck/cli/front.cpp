@@ -128,6 +128,7 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
                "dynwitness");
   app.require_subcommand(1);
   app.formatter(std::make_shared<HelpFormatter>());
+  app.set_version_flag("--version", "dynwitness " DYNWITNESS_VERSION, "The version");
   app.set_help_all_flag("--help-all", "Help of all subcommands");
   app.footer(
       "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the "

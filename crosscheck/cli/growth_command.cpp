@@ -94,8 +94,7 @@ Run addGrowth(CLI::App* command) {
       ->add_option("--witness", arguments->witnesses,
                    "Witnesses: outside engines beside our own sweeps; without: all that are there")
       ->delimiter(',');
-  addOutput(*command, arguments->output,
-            "folder for growth.csv and chain, tree .gp, .svg and _dark.svg");
+  addOutput(*command, arguments->output, "folder for growth.csv and chain, tree .gp and .svg");
   addPictures(*command, arguments->look);
   addJson(*command, arguments->json);
   command->footer(

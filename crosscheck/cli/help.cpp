@@ -64,14 +64,28 @@ bool isExample(const std::string& line) {
 }  // namespace
 
 std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {
-  const std::string name =
-      "  " + make_option_name(option, is_positional) + make_option_opts(option);
+  // what excludes what may take several lines, which texts and options do not begin like
+  const std::string indent = "      ";
+  std::string name;
+  for (const std::string& line :
+       broken(make_option_name(option, is_positional) + make_option_opts(option),
+              kColumns - indent.size()))
+    name += (name.empty() ? "  " : "\n" + indent) + line;
   const std::size_t width = column_width_;
   std::string out = name.size() + 2 <= width ? fmt::format("{:<{}}", name, width)
                                              : name + "\n" + std::string(width, ' ');
   const std::vector<std::string> lines = broken(make_option_desc(option), kColumns - width);
   for (std::size_t k = 0; k < lines.size(); ++k)
     out += (k == 0 ? "" : "\n" + std::string(width, ' ')) + lines[k];
+  return out + "\n";
+}
+
+std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
+  std::string out = fmt::format("{:<{}}", "  " + command->get_name(), column_width_);
+  const std::vector<std::string> lines =
+      broken(command->get_description(), kColumns - column_width_);
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    out += (k == 0 ? "" : "\n" + std::string(column_width_, ' ')) + lines[k];
   return out + "\n";
 }
 

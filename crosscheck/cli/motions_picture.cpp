@@ -88,7 +88,7 @@ void drawMotions(const scene::Scene& scene, const FormulationComparison& compari
   work.write("style.gp", kStyleGnuplot);
   work.write("methods.csv", motionsCsv(scene, comparison));
   work.write("methods.gp", scriptOf(scene, comparison));
-  drawTo(file, work.path(), "methods", {"methods." + look.kind}, look);
+  drawTo(file, work.path(), "methods", look);
 }
 
 }  // namespace dynwitness::cli

@@ -44,7 +44,8 @@ std::string jsonOf(const scene::Scene& scene, const RotorModels& models) {
 
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);
-  const scene::Scene scene = admitted(arguments.scene, Command::kRotors);
+  const scene::Scene scene =
+      admitted(arguments.scene, Command::kRotors, scene::InertiaNeed::kOfNoJoint);
   requireMotion(scene);
   const RotorModels models = compareRotorModels(scene, arguments.states, arguments.seed);
   for (const RotorModels::Joint& joint : models.joints)

@@ -95,8 +95,7 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   work.write("chart/drift.csv", driftCsv(result));
   work.write("chart/drift_worst.csv", driftWorstCsv(result));
   work.write("chart/drift.gp", script);
-  drawTo(file, work.path() / "chart", "drift", {"drift." + look.kind, "drift_dark." + look.kind},
-         look);
+  drawTo(file, work.path() / "chart", "drift", look);
 }
 
 /// Several methods in one picture.
@@ -108,7 +107,7 @@ void plotDrifts(const scene::Scene& scene, const std::vector<Drift>& drifts,
   work.write("style.gp", kStyleGnuplot);
   work.write("methods.csv", driftsCsv(drifts));
   work.write("methods.gp", script);
-  drawTo(file, work.path(), "methods", {"methods." + look.kind}, look);
+  drawTo(file, work.path(), "methods", look);
 }
 
 /// What is to be said about a drift beside its numbers. @return false: its qdd is wrong

@@ -59,8 +59,7 @@ void writeAtlas(const std::vector<stability::Turned>& atlas, const Arguments& ar
     const std::string& name = turned.family;
     work.write(name + ".csv", stability::csvOf(turned));
     work.write(name + ".gp", stability::scriptOf(turned, kStyleFile));
-    if (const auto failure =
-            runGnuplot(work.path(), name + ".gp", {name + ".svg", name + "_dark.svg"}))
+    if (const auto failure = runGnuplot(work.path(), name + ".gp", {name + ".svg"}))
       problem = *failure;
   }
   work.write("stability.json", stability::atlasJson(atlas, DYNWITNESS_VERSION));

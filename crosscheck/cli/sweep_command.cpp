@@ -162,10 +162,24 @@ Json toJson(const ShownSweep& sweep) {
   return out;
 }
 
+/// Of a scene with a joint that moves no inertia: no articulated body passes it; "": it has none.
+std::string whyNoInverse(const scene::Scene& scene) {
+  try {
+    scene::requireInertiaOfJoints(scene, "");
+  } catch (const scene::InputError& why) {
+    return why.what();
+  }
+  return "";
+}
+
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);
-  const scene::Scene scene = admitted(arguments.scene, Command::kSweep);
+  // written as JSON, every number of the sweeps is there
+  const scene::Scene scene = admitted(
+      arguments.scene, Command::kSweep,
+      arguments.json.empty() ? scene::InertiaNeed::kOfNoJoint : scene::InertiaNeed::kOfEachJoint);
   requireMotion(scene);
+  const std::string no_inverse = whyNoInverse(scene);
   scene::State<double> state;
   for (const double x : arguments.q->values(scene, inDouble(scene, scene.start_q)))
     state.x.push_back(scene::jointPosition(x));
@@ -176,7 +190,7 @@ int run(const Arguments& arguments) {
   const ShownSweep sweep = shownSweep(scene, state);
   progress.reset();
   requireFinite("tau", Eigen::MatrixXd(sweep.tau));
-  requireFinite("qdd", Eigen::MatrixXd(sweep.qdd));
+  if (no_inverse.empty()) requireFinite("qdd", Eigen::MatrixXd(sweep.qdd));
 
   const auto isShown = [&](const ShownLink& link) {
     return arguments.link.empty() || link.name == arguments.link || link.joint == arguments.link;
@@ -200,6 +214,10 @@ int run(const Arguments& arguments) {
   fmt::print("\ninward: force, and the same line of Lagrange's equations\n  {}\n", rates);
   for (auto link = sweep.links.rbegin(); link != sweep.links.rend(); ++link)
     if (isShown(*link)) printInward(sweep, *link);
+  if (!no_inverse.empty()) {
+    fmt::print("\nno articulated inertia and no qdd: {}\n", no_inverse);
+    return 0;
+  }
   fmt::print("\ninward: inertia [kg, kg m, kg m^2]\n");
   for (auto link = sweep.links.rbegin(); link != sweep.links.rend(); ++link)
     if (isShown(*link)) printArticulated(*link);

@@ -99,7 +99,7 @@ std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOption
 std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptions& options,
                        double cache, const std::string& version);
 
-/// Draws FAMILY.svg and FAMILY_dark.svg from growth.csv beside it.
+/// Draws FAMILY.svg from growth.csv beside it.
 /// @param style  the path of style.gp, as seen from the script's folder
 std::string growthScript(const std::vector<GrowthPoint>& points, const std::string& family,
                          double cache, const std::string& style);

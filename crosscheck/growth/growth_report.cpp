@@ -190,7 +190,7 @@ std::string growthScript(const std::vector<GrowthPoint>& points, const std::stri
   };
   return fmt::format(
              "# Growth of inverse and forward dynamics. Draw again with:  gnuplot {0}.gp\n"
-             "do for [dark = 0:1] {{\nload '{1}'\n"
+             "load '{1}'\n"
              "eval canvas(1000, 760, 13)\n"
              "set output picture_file('{0}')\nset multiplot\n"
              "set label 1 '{2} of 1 to {6} links: lower is better' at screen 0.5, screen 0.97 "
@@ -207,7 +207,7 @@ std::string growthScript(const std::vector<GrowthPoint>& points, const std::stri
          plot(kFdColumn, true, false) + "unset arrow 1\nunset label 2\n" +
          panel(1, 0, "Memory kept a link [bytes]", "%.0s %cB") + plot(kBytesColumn, false, false) +
          panel(1, 1, "Forward dynamics: largest |qdd - truth| / largest |truth|", "1e%T") +
-         plot(kErrorColumn, false, false) + "unset multiplot\nunset output\nreset\n}\n";
+         plot(kErrorColumn, false, false) + "unset multiplot\nunset output\n";
 }
 
 }  // namespace dynwitness::crosscheck

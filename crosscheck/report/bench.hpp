@@ -86,7 +86,7 @@ BenchResult readBench(const std::filesystem::path& file);
 /// `scene,formula,contender,time_ns,times_mujoco,times_simbody,goal_ns`, under `#` lines.
 std::string benchCsv(const BenchResult& result);
 
-/** Draws bench.svg and bench_dark.svg from bench.csv beside it: a row of panels a scene, a panel a
+/** Draws bench.svg from bench.csv beside it: a row of panels a scene, a panel a
     formula, a line a contender. Empty when no time was measured.
     @param style  the path of style.gp, as seen from the script's folder */
 std::string benchScript(const BenchResult& result, const std::string& style);
@@ -96,7 +96,7 @@ std::string benchText(const BenchResult& result);
 
 /// What the section of the report links to, relative to the page.
 struct BenchFiles {
-  std::string csv, script, light, dark;  ///< light, dark: svg; empty: left out, see below
+  std::string csv, script, picture;  ///< picture: svg; empty: left out, see below
   std::string no_plot_reason;
 };
 

@@ -95,7 +95,7 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
                height = head + foot + (panel + around) * static_cast<double>(scenes.size());
   std::string text = fmt::format(
       "# Speed of our sweeps and kernels beside the engines. Draw again with:  gnuplot bench.gp\n"
-      "do for [dark = 0:1] {{\nload '{}'\n"
+      "load '{}'\n"
       "eval canvas(1000, {:.0f}, 13)\n"
       "set output picture_file('bench')\nset multiplot\n"
       "set label 1 'Time of one evaluation: further left is better' at screen 0.5, screen {:.4f} "
@@ -164,7 +164,7 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
       text += "\nunset label\n";
     }
   }
-  return text + "unset multiplot\nunset output\nreset\n}\n";
+  return text + "unset multiplot\nunset output\n";
 }
 
 }  // namespace dynwitness::crosscheck

@@ -162,14 +162,13 @@ void openTable(std::string* page, const char* label, const std::string& caption)
 }
 
 void putFigure(std::string* page, const BenchFiles& files) {
-  if (!files.light.empty())
+  if (!files.picture.empty())
     *page += fmt::format(
         "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Charts of speed\">\n"
-        "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
         "<img src=\"{}\" width=\"1000\" alt=\"Time of one evaluation of each contender, a panel a "
         "scene and "
-        "formula. The numbers are in the table below.\"></picture>\n</div>\n",
-        files.dark, files.light);
+        "formula. The numbers are in the table below.\">\n</div>\n",
+        files.picture);
   else
     *page += fmt::format("<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
                          esc(files.no_plot_reason));

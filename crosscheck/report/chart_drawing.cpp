@@ -145,7 +145,6 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
                                : "forward dynamics";
   std::string text = fmt::format(
       "# Speed against accuracy of {0} of {1}. Draw again with:  gnuplot {2}.gp\n"
-      "do for [dark = 0:1] {{\n"
       "load '{3}'\n"
       "eval canvas(1000, 480, 13)\n"
       "set output picture_file('{2}')\n"
@@ -184,7 +183,7 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
           "maxrows {}\n",
           (named + 3) / 4) +
       panel(chart, csv, true);
-  return text + "unset multiplot\nunset output\nreset\n}\n";
+  return text + "unset multiplot\nunset output\n";
 }
 
 }  // namespace dynwitness::crosscheck

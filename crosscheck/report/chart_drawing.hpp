@@ -14,7 +14,7 @@ namespace dynwitness::crosscheck {
 /// `quantity,method,scalar,error_worst,error_median,time_min_ns,time_median_ns,time_high_ns`.
 std::string chartCsv(const std::vector<Chart>& charts);
 
-/** Draws NAME.svg and NAME_dark.svg from NAME.csv beside it.
+/** Draws NAME.svg from NAME.csv beside it.
     @param style  the path of style.gp, as seen from the script's folder */
 std::string chartScript(const Chart& chart, const std::string& name, const std::string& style);
 

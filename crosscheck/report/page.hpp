@@ -18,10 +18,10 @@ struct SceneFiles {
   std::string tree;    ///< svg; empty: the tree is too large to draw
   std::string view;    ///< the picture that moves, a page of its own; empty: left out
   std::string drift_csv, drift_worst_csv, drift_script;  ///< empty: no drift was computed
-  std::string drift_light, drift_dark;                   ///< svg; empty: left out, see below
+  std::string drift;                                     ///< svg; empty: left out, see below
   std::string no_plot_reason;                            ///< why there is data and no picture
   // the same of speed against accuracy
-  std::string chart_csv, chart_script, chart_light, chart_dark, no_chart_reason;
+  std::string chart_csv, chart_script, chart, no_chart_reason;
 };
 
 /** The report's first page: verdict, disagreements, table of scenes, each with a link to its own

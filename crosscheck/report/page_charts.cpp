@@ -27,15 +27,14 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
         fmt::format(" At the finest step, {} s, it is {}.", finest.step, readable(finest.worst));
   }
   put(page, "<figure class=\"charts\">\n");
-  if (!files.drift_light.empty()) {
+  if (!files.drift.empty()) {
     openScroll(page, "Charts of the energy drift");
     put(page,
-        "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
         "<img src=\"{}\" width=\"1000\" height=\"400\" alt=\"Two charts. Left: energy error "
         "against "
         "time, one curve a step size. Right: worst error against step size. "
-        "{}\"></picture>\n</div>\n",
-        files.drift_dark, files.drift_light, esc(sentence));
+        "{}\">\n</div>\n",
+        files.drift, esc(sentence));
   } else {
     put(page, "<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
         esc(files.no_plot_reason));
@@ -52,14 +51,13 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
 void putChart(std::string* page, const SceneFiles& files) {
   if (files.chart_csv.empty()) return;
   put(page, "<h2>Speed against accuracy</h2>\n<figure class=\"charts\">\n");
-  if (!files.chart_light.empty()) {
+  if (!files.chart.empty()) {
     openScroll(page, "Charts of speed against accuracy");
     put(page,
-        "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
         "<img src=\"{}\" width=\"1000\" height=\"480\" alt=\"Two charts, time of one evaluation "
         "against worst relative error. Left: the sweep in five arithmetics. Right: every method in "
-        "double. The numbers are in the data file.\"></picture>\n</div>\n",
-        files.chart_dark, files.chart_light);
+        "double. The numbers are in the data file.\">\n</div>\n",
+        files.chart);
   } else {
     put(page, "<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
         esc(files.no_chart_reason));

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <regex>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/report/work_drawing.hpp"
 #include "crosscheck/system/children.hpp"
@@ -115,7 +118,6 @@ std::string driftScript(const SceneResult& scene) {
 
   std::string text = fmt::format(
       "# Energy drift of {0}. Draw again with:  gnuplot drift.gp\n"
-      "do for [dark = 0:1] {{\n"
       "load '../style.gp'\n"
       "set output picture_file('drift')\n"
       "steps = '{1}'; firsts = '{7}'; lasts = '{8}'\n"
@@ -149,7 +151,7 @@ std::string driftScript(const SceneResult& scene) {
     text +=
         fmt::format(", \\\n     {:.4g} * (x / {}) ** {} with lines linetype 20 title 'slope {}'",
                     guide, coarsest, drift.method_order, drift.method_order);
-  text += "\nunset multiplot\nunset output\nreset\n}\n";
+  text += "\nunset multiplot\nunset output\n";
   return text;
 }
 
@@ -196,6 +198,38 @@ std::string driftsScript(const std::string& title, const std::vector<Drift>& dri
       gnuplotString(title + ": lower is better"), finest / 1.6, coarsest * 1.6, plots);
 }
 
+namespace {
+
+/// Rules of CSS that give each colour of style.gp its dark one.
+std::string darkRules() {
+  static const std::regex kPair("dark \\? '#([0-9a-f]{6})' : '#([0-9a-f]{6})'");
+  const std::string style(kStyleGnuplot);
+  std::string rules;
+  for (std::sregex_iterator it(style.begin(), style.end(), kPair), end; it != end; ++it) {
+    const std::string dark = (*it)[1], light = (*it)[2];
+    const unsigned long rgb = std::stoul(light, nullptr, 16);
+    const auto red = rgb >> 16, green = (rgb >> 8) & 255, blue = rgb & 255;
+    for (const std::string& as : {fmt::format("rgb({},{},{})", red, green, blue),
+                                  fmt::format("rgb({:3}, {:3}, {:3})", red, green, blue)})
+      for (const char* what : {"stroke", "fill", "color"})
+        rules += fmt::format("[{0}=\"{1}\"] {{ {0}: #{2} }}\n", what, as, dark);
+  }
+  return rules;
+}
+
+/// An SVG on nothing has the colours of dark pages, too, for viewers that prefer them.
+void addDarkColours(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string picture(std::istreambuf_iterator<char>(in), {});
+  const std::size_t begin = picture.find("<svg"), end = picture.find('>', begin);
+  if (begin == std::string::npos || end == std::string::npos) return;
+  picture.insert(end + 1,
+                 "\n<style>@media (prefers-color-scheme: dark) {\n" + darkRules() + "}</style>");
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << picture;
+}
+
+}  // namespace
+
 std::optional<std::string> runGnuplot(const fs::path& folder, const std::string& script,
                                       const std::vector<std::string>& pictures,
                                       const PictureLook& look) {
@@ -212,7 +246,11 @@ std::optional<std::string> runGnuplot(const fs::path& folder, const std::string&
   for (const std::string& picture : pictures)
     if (problem.empty() && !isWhole(folder / picture))
       problem = "gnuplot did not finish " + picture;
-  if (problem.empty()) return std::nullopt;
+  if (problem.empty()) {
+    if (look.kind == "svg" && look.paper != "white")
+      for (const std::string& picture : pictures) addDarkColours(folder / picture);
+    return std::nullopt;
+  }
   for (const std::string& picture : pictures) {
     std::error_code ignored;
     fs::remove(folder / picture, ignored);

@@ -23,7 +23,7 @@ std::string driftCsv(const SceneResult& scene);
 /// One line a path: `step_s,worst_energy_error_over_scale`.
 std::string driftWorstCsv(const SceneResult& scene);
 
-/// Draws drift.svg and drift_dark.svg from drift.csv and drift_worst.csv beside it; it loads
+/// Draws drift.svg from drift.csv and drift_worst.csv beside it; it loads
 /// ../style.gp. Empty when no path has an error above zero: there is nothing to see on a log axis.
 std::string driftScript(const SceneResult& scene);
 
@@ -40,7 +40,8 @@ std::string driftsScript(const std::string& title, const std::vector<Drift>& dri
 /// Its table. "method,step_s,worst_energy_error_over_scale"
 std::string driftsCsv(const std::vector<Drift>& drifts);
 
-/** Runs gnuplot on a script in its folder, without a shell.
+/** Runs gnuplot on a script in its folder, without a shell. An SVG gets rules of CSS for dark
+    pages, unless it stands on white: one picture for both.
 
     @param pictures  that the script draws, with the ending of `look`
     @return nothing when every file of `pictures` was drawn to its end, else why not (unfinished

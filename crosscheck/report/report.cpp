@@ -38,13 +38,12 @@ void writeDrift(const SceneResult& scene, const std::string& folder, const Unfin
   }
   files->drift_script = "drift.gp";
   out.write(folder + "/drift.gp", script);
-  const auto problem = runGnuplot(out.path() / folder, "drift.gp", {"drift.svg", "drift_dark.svg"});
+  const auto problem = runGnuplot(out.path() / folder, "drift.gp", {"drift.svg"});
   if (problem) {
     files->no_plot_reason = *problem;
     return;
   }
-  files->drift_light = "drift.svg";
-  files->drift_dark = "drift_dark.svg";
+  files->drift = "drift.svg";
 }
 
 void writeChart(const Chart& chart, const std::string& folder, const UnfinishedFolder& out,
@@ -53,13 +52,12 @@ void writeChart(const Chart& chart, const std::string& folder, const UnfinishedF
   out.write(folder + "/speed.csv", chartCsv({chart}));
   files->chart_script = "speed.gp";
   out.write(folder + "/speed.gp", chartScript(chart, "speed", "../style.gp"));
-  const auto problem = runGnuplot(out.path() / folder, "speed.gp", {"speed.svg", "speed_dark.svg"});
+  const auto problem = runGnuplot(out.path() / folder, "speed.gp", {"speed.svg"});
   if (problem) {
     files->no_chart_reason = *problem;
     return;
   }
-  files->chart_light = "speed.svg";
-  files->chart_dark = "speed_dark.svg";
+  files->chart = "speed.svg";
 }
 
 }  // namespace
@@ -77,14 +75,12 @@ BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& fol
   }
   files.script = in + "bench.gp";
   folder.write(files.script, script);
-  const auto problem =
-      runGnuplot(folder.path() / name, "bench.gp", {"bench.svg", "bench_dark.svg"});
+  const auto problem = runGnuplot(folder.path() / name, "bench.gp", {"bench.svg"});
   if (problem) {
     files.no_plot_reason = *problem;
     return files;
   }
-  files.light = in + "bench.svg";
-  files.dark = in + "bench_dark.svg";
+  files.picture = in + "bench.svg";
   return files;
 }
 

@@ -9,9 +9,9 @@
 //     scenes/style.gp                  the looks of the charts
 //     scenes/SCENE/tree.svg            the mechanism
 //     scenes/SCENE/view.html           its picture, which moves
-//     scenes/SCENE/drift.csv, drift_worst.csv, drift.gp, drift.svg, drift_dark.svg
-//     scenes/SCENE/speed.csv, speed.gp, speed.svg, speed_dark.svg
-//     bench/bench.csv, bench.gp, bench.svg, bench_dark.svg
+//     scenes/SCENE/drift.csv, drift_worst.csv, drift.gp, drift.svg
+//     scenes/SCENE/speed.csv, speed.gp, speed.svg
+//     bench/bench.csv, bench.gp, bench.svg
 #pragma once
 
 #include <filesystem>

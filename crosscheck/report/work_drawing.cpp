@@ -221,7 +221,6 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
   const std::string title = work.title.empty() ? work.scene : work.title;
   std::string text = fmt::format(
       "# Work and precision of simulations of {0}. Draw again with:  gnuplot {1}.gp\n"
-      "do for [dark = 0:1] {{\n"
       "load '{2}'\n"
       "eval canvas(1200, {6}, 16)\n"
       "set output picture_file('{1}')\n"
@@ -283,7 +282,7 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
     }
     top += 2 * (kPanel + kBelowPanel) + key.rows * kKeyRow + kBelowKey;
   }
-  return text + "unset multiplot\nunset output\nreset\n}\n";
+  return text + "unset multiplot\nunset output\n";
 }
 
 }  // namespace dynwitness::crosscheck

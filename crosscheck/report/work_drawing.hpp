@@ -12,7 +12,7 @@ namespace dynwitness::crosscheck {
 /// or why there is no end, under `#` lines with reference and machine.
 std::string workCsv(const WorkPrecision& work);
 
-/** Draws NAME.svg and NAME_dark.svg from NAME.csv beside it.
+/** Draws NAME.svg from NAME.csv beside it.
     @param style  the path of style.gp, as seen from the script's folder */
 std::string workScript(const WorkPrecision& work, const std::string& name,
                        const std::string& style);

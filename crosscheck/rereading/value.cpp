@@ -48,6 +48,25 @@ std::size_t decimalLength(std::string_view text) {
   return at;
 }
 
+/// The functions that an expression may call: the value and how steep it is at most around there.
+Value called(std::string_view function, const Value& x) {
+  // a rounding of x, of the function and of what is left beside multiples of pi
+  const auto with = [&x](Real value, double steepness) {
+    const double size = static_cast<double>(abs(value));
+    return Value{std::move(value), steepness * x.error + kLoss * (1 + x.size() + size)};
+  };
+  if (function == "sin") return with(sin(x.value), 1);
+  if (function == "cos") return with(cos(x.value), 1);
+  if (function == "asin") {
+    if (abs(x.value) > 1) throw std::runtime_error("an arcsine beyond -1 to 1");
+    const double room = static_cast<double>(1 - x.value * x.value);
+    return with(asin(x.value), room > 0 ? 1 / std::sqrt(room) : x.error > 0 ? HUGE_VAL : 0);
+  }
+  if (x.value < 0) throw std::runtime_error("the square root of a negative number");
+  const Real root = sqrt(x.value);
+  return formed(root, x.error > 0 ? x.error / static_cast<double>(root) : 0);
+}
+
 /// The two stacks.
 class ShuntingYard {
  public:
@@ -99,6 +118,12 @@ class ShuntingYard {
     const std::string_view name = rest.substr(0, length);
     if (name.empty()) fail(fmt::format("'{}' where a number was expected", c));
     at_ += length;
+    skipSpaces();
+    if (at_ < text_.size() && text_[at_] == '(') {
+      functions_.push_back(name);
+      operators_.push_back(kCall);
+      return false;
+    }
     if (name == "pi") {
       operands_.push_back(formed(boost::math::constants::pi<Real>(), 0));
       return true;
@@ -120,6 +145,7 @@ class ShuntingYard {
       while (!operators_.empty() && operators_.back() != '(') apply();
       if (operators_.empty()) fail("a parenthesis closes nothing");
       operators_.pop_back();
+      if (!operators_.empty() && operators_.back() == kCall) call();
       return false;
     }
     if (c != '+' && c != '-' && c != '*' && c != '/')
@@ -127,6 +153,16 @@ class ShuntingYard {
     while (!operators_.empty() && strength(operators_.back()) >= strength(c)) apply();
     operators_.push_back(c);
     return true;
+  }
+
+  /// The last function to the last operand.
+  void call() {
+    operators_.pop_back();
+    const std::string_view name = functions_.back();
+    functions_.pop_back();
+    if (name != "sin" && name != "cos" && name != "asin" && name != "sqrt")
+      fail(fmt::format("there is no function {}", name));
+    operands_.back() = called(name, operands_.back());
   }
 
   /// The last operand to the whole number that follows: nothing binds more strongly.
@@ -173,12 +209,13 @@ class ShuntingYard {
     a = operation == '+' ? a + b : operation == '-' ? a - b : operation == '*' ? a * b : a / b;
   }
 
-  static constexpr char kSign = '~';
+  static constexpr char kSign = '~', kCall = 'f';
   std::string_view text_;
   const Parameters& parameters_;
   std::size_t at_ = 0;
   std::vector<Value> operands_;
   std::vector<char> operators_;
+  std::vector<std::string_view> functions_;  ///< of the operators that are calls, in their order
 };
 
 }  // namespace

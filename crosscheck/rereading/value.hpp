@@ -46,8 +46,8 @@ using Parameters = std::map<std::string, Value, std::less<>>;
 /// A decimal with an optional sign ("-1.5e-3"). @throws std::runtime_error  it is none
 Value decimal(std::string_view text);
 
-/** An arithmetic expression in decimals, named parameters and pi, by operator precedence on two
-    stacks (Dijkstra's shunting yard), from the weakest:
+/** An arithmetic expression in decimals, named parameters, pi, and sin, cos, asin and sqrt of such
+    expressions, by operator precedence on two stacks (Dijkstra's shunting yard), from the weakest:
 
         + -    * /    sign    ^ (by a whole number)        each from left to right
 

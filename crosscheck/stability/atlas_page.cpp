@@ -111,10 +111,10 @@ void putFamily(std::string* page, const Turned& turned) {
     put(page, "<p><strong>Theory of {}.</strong> {}.</p>\n", esc(method.name), esc(method.formula));
   put(page,
       "<figure>\n<div class=\"charts scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{0}: "
-      "digits against severity\"><picture><source media=\"screen and (prefers-color-scheme: "
-      "dark)\" srcset=\"{1}_dark.svg\"><img src=\"{1}.svg\" width=\"1000\" height=\"540\" "
+      "digits against severity\"><img "
+      "src=\"{1}.svg\" width=\"1000\" height=\"540\" "
       "alt=\"{0}: decimal digits kept against severity, a line a method, theory dashed; the "
-      "numbers are in the table below\"></picture></div>\n<figcaption>A cross below: the method "
+      "numbers are in the table below\"></div>\n<figcaption>A cross below: the method "
       "stops. <a href=\"{1}.csv\">Data</a>, <a href=\"{1}.gp\">script</a>.</figcaption>\n"
       "</figure>\n",
       esc(family.title), esc(family.name));

@@ -283,7 +283,7 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
   const bool is_wide = family.to / family.from > std::pow(10.0, 3);
   return fmt::format(
              "# {0}. Draw again with:  gnuplot {1}.gp\n"
-             "do for [dark = 0:1] {{\nload '{2}'\n"
+             "load '{2}'\n"
              "eval canvas(1000, 540, 13)\n"
              "set output picture_file('{1}')\nset multiplot\n"
              "stopped = -1\nset datafile missing NaN\n"
@@ -311,7 +311,7 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
               : "\nunset label 1\nset key at screen 0.77, screen 0.125\nset lmargin at screen 0.56\nset rmargin at screen 0.985\n"
                 "set title 'Outside engines' textcolor rgb soft\n" +
                     panel(false)) +
-         "\nunset multiplot\nunset output\nreset\n}\n";
+         "\nunset multiplot\nunset output\n";
 }
 
 std::string familyJson(const Turned& turned, const std::string& made_by) {

@@ -18,7 +18,7 @@ std::string tableOf(const Turned& turned);
 /// lines.
 std::string csvOf(const Turned& turned);
 
-/// Draws FAMILY.svg and FAMILY_dark.svg from FAMILY.csv beside it.
+/// Draws FAMILY.svg from FAMILY.csv beside it.
 /// @param style  the path of style.gp, as seen from the script's folder
 std::string scriptOf(const Turned& turned, const std::string& style);
 

@@ -45,6 +45,7 @@
 
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/hushed.hpp"
+#include "scene/inertia_need.hpp"
 #include "scene/numbers.hpp"
 #endif
 
@@ -108,6 +109,15 @@ SkeletonPtr loaded(const std::string& urdf) {
 /// A time step in which springs push as they stand [s].
 constexpr double kNoTime = 1e-100;
 
+bool movesInertiaOfJoints(const scene::Scene& scene) {
+  try {
+    scene::requireInertiaOfJoints(scene, "");
+    return true;
+  } catch (const scene::InputError&) {
+    return false;
+  }
+}
+
 class DartWitness : public Witness, public FileReader, public OwnSteps {
  public:
   explicit DartWitness(const PreparedScene& scene)
@@ -118,6 +128,7 @@ class DartWitness : public Witness, public FileReader, public OwnSteps {
     skeleton_ = loaded(urdf);
     const scene::Mechanism& mechanism = scene.mechanism();
     requirePlainRotors(mechanism);
+    has_inverse_ = movesInertiaOfJoints(scene.scene());
     const RealNumbers<double> number(mechanism);
     skeleton_->setTimeStep(kNoTime);
     skeleton_->setGravity(mechanism.has_gravity ? vector(mechanism.gravity, number)
@@ -132,7 +143,10 @@ class DartWitness : public Witness, public FileReader, public OwnSteps {
   }
 
   const std::string& name() const override { return name_; }
-  bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
+  /// Its sweep of forward dynamics ends the process at a joint that moves no inertia.
+  bool answers(Quantity quantity) const override {
+    return quantity != Quantity::kReactions && (quantity != Quantity::kQdd || has_inverse_);
+  }
   bool readsOwnFile() const override { return own_file_; }
 
   /// As World::step does where nothing is in contact: semi-implicit Euler, springs implicit.
@@ -444,7 +458,7 @@ class DartWitness : public Witness, public FileReader, public OwnSteps {
   std::string name_ = kName;
   JointFriction friction_;
   EngineBound bound_;
-  bool own_file_ = false;
+  bool own_file_ = false, has_inverse_ = true;
   SkeletonPtr skeleton_;
   bool has_rotors_ = false;
   std::vector<BodyNode*> links_;  ///< one a scene link; null: the world

@@ -44,7 +44,7 @@ alone, and the fastest counts.
 
   --output FOLDER   where files are kept [{}]
                       bench.json             what was measured, ratios, goals
-                      bench.csv, bench.gp, bench.svg, bench_dark.svg
+                      bench.csv, bench.gp, bench.svg
                       google_benchmark.json  every repetition
   --engine COMMAND  a program of yours as one more contender: a shell's words, "python3 my_arm.py". It answers
                     lines of JSON (crosscheck/witnesses/engine_protocol.md). Its time is wall time a state
@@ -138,12 +138,12 @@ void write(const BenchResult& result, const fs::path& folder) {
   work.write(style, kStyleGnuplot);
   const BenchFiles files = writeBenchChart(result, work, "", style);
   for (const std::string& file :
-       {std::string("bench.json"), style, files.csv, files.script, files.light, files.dark}) {
+       {std::string("bench.json"), style, files.csv, files.script, files.picture}) {
     if (file.empty()) continue;
     std::ifstream stream(work.path() / file, std::ios::binary);
     writeWholeFile(folder / file, std::string(std::istreambuf_iterator<char>(stream), {}));
   }
-  if (files.light.empty()) fmt::print(stderr, "no picture: {}\n", files.no_plot_reason);
+  if (files.picture.empty()) fmt::print(stderr, "no picture: {}\n", files.no_plot_reason);
 }
 
 std::vector<Environment::Library> engines() {

@@ -96,11 +96,6 @@ LOOK = r"""
   if (page.scrollWidth > page.clientWidth)
     wrong.push(`the page is wider than the screen: ${page.scrollWidth} > ${page.clientWidth}`);
   if (!document.querySelector('h1') || !document.querySelector('h1').textContent.trim()) wrong.push('no headline');
-  const dark = matchMedia('(prefers-color-scheme: dark)').matches;
-  for (const source of document.querySelectorAll('picture source')) {
-    const image = source.parentElement.querySelector('img');
-    if (image.currentSrc.endsWith(source.srcset) !== dark) wrong.push(`wrong picture for this light: ${image.currentSrc}`);
-  }
   for (const d of document.querySelectorAll('details')) d.open = false;
   return {wrong, files, pictures: pictures.length, trees: trees.length, formulas: formulas.length};
 })()

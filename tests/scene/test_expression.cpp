@@ -6,10 +6,15 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
+#include <boost/math/constants/constants.hpp>
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
+
+#include "scene/function_values.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness::scene;
@@ -249,6 +254,113 @@ BOOST_AUTO_TEST_CASE(a_parameter_name_is_an_identifier_that_is_not_reserved) {
 
 BOOST_AUTO_TEST_SUITE_END()
 
+BOOST_AUTO_TEST_SUITE(functions)
+
+// Niven's theorem: these, and no other sines of rational multiples of pi, are rational.
+BOOST_AUTO_TEST_CASE(functions_are_exact_where_they_can_be) {
+  const std::pair<const char*, Exact> exact[] = {{"cos(pi/3)", {Rational(1, 2), 0}},
+                                                 {"sin(pi/6)", {Rational(1, 2), 0}},
+                                                 {"sin(-5*pi/6)", {Rational(-1, 2), 0}},
+                                                 {"cos(2*pi/3)", {Rational(-1, 2), 0}},
+                                                 {"sin(3*pi/2)", {-1, 0}},
+                                                 {"cos(101*pi)", {-1, 0}},
+                                                 {"sin(pi)", {0, 0}},
+                                                 {"cos(0)", {1, 0}},
+                                                 {"sqrt(9/4)", {Rational(3, 2), 0}},
+                                                 {"sqrt(0)", {0, 0}},
+                                                 {"sqrt(0.0001)", {Rational(1, 100), 0}},
+                                                 {"asin(1/2)", {0, Rational(1, 6)}},
+                                                 {"asin(-1)", {0, Rational(-1, 2)}},
+                                                 {"asin(0)", {0, 0}},
+                                                 {"cos(asin(1/2) + pi/6)", {Rational(1, 2), 0}}};
+  for (const auto& [text, value] : exact) {
+    BOOST_TEST((valueOf(text) == value), text);
+    BOOST_TEST(!hasRoundedFunction(Expression::parse(text)), text);
+  }
+  BOOST_TEST(Expression::parse("sin(pi)").isLiteralZero());
+}
+
+// All 60 digits, by mpmath with 90.
+BOOST_AUTO_TEST_CASE(other_values_are_the_nearest_decimal_of_60_digits) {
+  const std::pair<const char*, const char*> digits[] = {
+      {"cos(pi/10)", "0.951056516295153572116439333379382143405698634125750222447306"},
+      {"sin(1)", "0.841470984807896506652502321630298999622563060798371065672752"},
+      {"asin(0.3)", "0.304692654015397507972002961227529166954560031706776387392978"},
+      {"sqrt(2)", "1.41421356237309504880168872420969807856967187537694807317668"},
+      {"cos(3*pi/4)", "-0.707106781186547524400844362104849039284835937688474036588340"},
+      {"sin(1e-30)", "1.00000000000000000000000000000000000000000000000000000000000e-30"},
+      {"sin(1e30)", "-0.0901169019121380580303864289529873302743963329930434498854607"},
+      {"sqrt(pi)", "1.77245385090551602729816748334114518279754945612238712821381"},
+      {"asin(-0.9999)", "-1.55665407331738374163508146582209533637418163345855748086614"},
+      {"cos(1 + pi/3)", "-0.458584096457077951669200994727528432879755450339700197762399"},
+      {"sin(22)", "-0.00885130929040387592169025681577233246328920395133256644233084"},
+      {"sqrt(1e-101)", "3.16227766016837933199889354443271853371955513932521682685750e-51"},
+  };
+  for (const auto& [text, decimal] : digits) {
+    BOOST_TEST((valueOf(text) == valueOf(decimal)), text);
+    BOOST_TEST(hasRoundedFunction(Expression::parse(text)), text);
+  }
+}
+
+// By Boost's functions with 100 digits.
+BOOST_DATA_TEST_CASE(no_digit_of_any_argument_is_wrong, data::xrange(200u), seed) {
+  using Real = boost::multiprecision::cpp_bin_float_100;
+  std::mt19937 random(seed);
+  const long n = static_cast<long>(random() % 20000) - 10000,
+             d = 1 + static_cast<long>(random() % 9999);
+  const Real x = Real(n) / d;
+  const std::string quotient = "(" + std::to_string(n) + "/" + std::to_string(d) + ")";
+  const auto require = [&](const std::string& text, const Real& value) {
+    const Expression e = Expression::parse(text);
+    if (!hasRoundedFunction(e)) return;
+    const Real found = exactValue(e, {}).rational.convert_to<Real>();
+    // half a unit of the last digit, of a number that begins with 1; 1e-90 for Boost
+    const Real most = abs(value) * Real("5.000001e-60");
+    BOOST_TEST((abs(Real(found - value)) <= most), text);
+  };
+  require("sin" + quotient, sin(x));
+  require("cos" + quotient, cos(x));
+  require("cos(" + quotient + "*pi)", cos(Real(x * boost::math::constants::pi<Real>())));
+  if (n >= 0) require("sqrt" + quotient, sqrt(x));
+  if (std::abs(n) <= d) require("asin" + quotient, asin(x));
+}
+
+BOOST_AUTO_TEST_CASE(a_function_keeps_its_spelling) {
+  for (const char* text : {"cos(pi/10)", "-2*sqrt(2)", "m*sin(3*pi/4)^2", "cos(pi/3)"}) {
+    const Expression e = Expression::parse(text), again = Expression::parse(e.text());
+    BOOST_TEST(e.text() == text);
+    BOOST_TEST((exactValue(again, {{"m", {2, 0}}}) == exactValue(e, {{"m", {2, 0}}})));
+  }
+}
+
+// An error is half a unit of the 60th digit at most, and follows sums, products and parameters.
+BOOST_AUTO_TEST_CASE(what_cancels_is_refused_and_what_does_not_knows_its_error) {
+  const Rational unit = Rational(1) / powerOfTen(60);
+  const auto errorOf = [&](const char* text) {
+    const ParameterValues values{{"c", valueOf("cos(1)")}, {"m", {2, 0}}};
+    return errorOfFunctions(Expression::parse(text), values, {{"c", unit}}, {"file.toml", 7});
+  };
+  BOOST_TEST((errorOf("m*0.3 + pi") == 0));
+  BOOST_TEST((errorOf("cos(pi/3)") == 0));
+  BOOST_TEST((errorOf("cos(1)") > 0));
+  BOOST_TEST((errorOf("cos(1)") <= 5 * unit));
+  BOOST_TEST((errorOf("10*cos(1)") == 10 * errorOf("cos(1)")));
+  BOOST_TEST((errorOf("1/cos(1)") > errorOf("cos(1)")));
+  BOOST_TEST((errorOf("m*c") == 2 * unit));
+  for (const char* text :
+       {"sqrt(2)^2 - 2", "cos(1)^2 + sin(1)^2 - 1", "c - cos(1)", "1/(sqrt(2)^2 - 2)"}) {
+    try {
+      errorOf(text);
+      BOOST_ERROR(text);
+    } catch (const InputError& error) {
+      BOOST_TEST(contains(error.what(), "these cancel here"), error.what());
+      BOOST_TEST(contains(error.what(), "file.toml:7"), error.what());
+    }
+  }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
 BOOST_AUTO_TEST_SUITE(bad_input)
 
 struct Bad {
@@ -280,7 +392,15 @@ const Bad kBad[] = {
     {".", "found its end, allowed: a digit"},
     {"inf", "not a finite number"},
     {"2*nan", "not a finite number"},
-    {"sin(1)", "column 4: found \"(\""},
+    {"exp(1)", "\"exp\" of numbers, allowed: sin, cos, asin, sqrt (exp: in motions alone)"},
+    {"tan(1)", "no function \"tan\" of numbers, allowed: sin, cos, asin, sqrt"},
+    {"cos(m)", "\"cos(m)\" is a function of parameter \"m\", allowed: functions of numbers and pi"},
+    {"sqrt(cos(1))", "a function of a number that is rounded itself"},
+    {"sqrt(-2)", "\"sqrt(-2)\": the square root of a negative number"},
+    {"asin(1.01)", "the arcsine of a number beyond -1 to 1"},
+    {"asin(pi/4)", "the arcsine of a number with pi in it"},
+    {"cos(1", "is never closed"},
+    {"cos()", "column 5: found \")\""},
     {"1/0", "division by zero"},
     {"1/(2 - 2)", "division by zero"},
     {"0^-1", "division by zero"},

@@ -5,6 +5,8 @@
 #include "crosscheck/verdicts/check_reading.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <ctime>
 #include <functional>
 #include <ostream>
@@ -355,10 +357,20 @@ BOOST_AUTO_TEST_CASE(expressions_have_the_values_that_algebra_gives_them) {
   };
   for (const auto& [text, value] : values)
     BOOST_TEST(static_cast<double>(rereading::evaluated(text, known).value) == value, text);
+  const std::vector<std::pair<const char*, double>> functions = {
+      {"cos(pi/3)", 0.5},     {"-2*sin (1)^2", -1.416146836547142},  // -(1 - cos 2)
+      {"sqrt(16)/b_1", 2},    {"a*asin(1)", 4.71238898038469},
+      {"sqrt(2)*sqrt(2)", 2}, {"sin(-(pi/2))", -1}};
+  for (const auto& [text, value] : functions) {
+    const rereading::Value found = rereading::evaluated(text, known);
+    BOOST_TEST(std::abs(static_cast<double>(found.value) - value) <= 1e-15 * std::abs(value), text);
+    BOOST_TEST(found.error < 1e-47, text);
+  }
   const rereading::Value pi = rereading::evaluated("2*pi/2", known);
   BOOST_TEST(static_cast<double>(pi.value) == 3.141592653589793);
   for (const char* text :
-       {"", "a +", "(a", "a)", "a b_1", "2^a", "x", "1/0", "1/(a - 3)", "a ** 2", "1..2"})
+       {"", "a +", "(a", "a)", "a b_1", "2^a", "x", "1/0", "1/(a - 3)", "a ** 2", "1..2", "exp(1)",
+        "a(2)", "sin", "sin 1", "cos()", "asin(2)", "sqrt(-1)", "cos(1"})
     BOOST_CHECK_THROW(rereading::evaluated(text, known), std::runtime_error);
 }
 
@@ -433,6 +445,29 @@ BOOST_AUTO_TEST_CASE(every_joint_kind_axis_and_placement_is_read_the_same_twice)
           joint;
       requireGreen(against(sceneOf(text), text), name + " " + axis);
     }
+  }
+}
+
+// Numbers have functions in them: both readers evaluate them, by formulas of their own.
+BOOST_AUTO_TEST_CASE(functions_in_placements_and_inertias_are_read_the_same_twice) {
+  const std::string text =
+      "[parameters]\nk = \"cos(pi/10)\"\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"tip\"\nparent = \"base\"\nmass = \"sqrt(2)\"\n"
+      "com = [\"0.3*k\", \"-0.3*sin(pi/10)\", 0]\n"
+      "inertia = { xx = 0.1, yy = \"0.1*cos(0.2)\", zz = 0.1 }\n"
+      "[link.joint]\nkind = \"revolute\"\nxyz = [\"cos(3*pi/4)\", 0, \"sin(pi/3)\"]\n"
+      "rpy = [\"asin(0.3)\", \"asin(1/2)\", 0]\naxis = [\"sin(pi/10)\", 0, \"k\"]\n";
+  requireGreen(against(sceneOf(text), text), "functions");
+  // what one reader takes for another number
+  for (const auto& [was, is, red] :
+       {std::array<const char*, 3>{"sin(pi/3)", "sin(pi/3 + 2e-8)", "placements"},
+        {"asin(0.3)", "-asin(0.3)", "placements"},
+        {"0.1*cos(0.2)", "0.1*cos(0.2001)", "mass"},
+        {"sqrt(2)", "sqrt(2.000001)", "mass"}}) {
+    std::string other = text;
+    other.replace(other.find(was), std::string(was).size(), is);
+    const std::string seen = redOf(against(sceneOf(other), text));
+    BOOST_TEST(files::contains(seen, red), was << ": " << seen);
   }
 }
 
