@@ -15,6 +15,7 @@ import os
 from pathlib import Path
 
 from . import program
+from .bodies import Bodies, Body, bodies
 from .program import (Maths, Picture, ProgramFailed, SceneText, Step, Table, crosscheck, derive, drift,
                       evaluate, growth, parameters, plot, python_function, run, simulate, ulps)
 
