@@ -7,6 +7,7 @@ def wrench_in_parent(R, p, f, m):
     return force, R @ m + np.cross(p, force)
 
 # %% exercise-2
+import numpy as np
 from by_hand import pose
 
 def jacobian(bodies, q, k, at):

@@ -11,7 +11,8 @@ def centre_of_mass(M):
     return np.array([first_moment[2, 1], first_moment[0, 2], first_moment[1, 0]]) / M[0, 0]
 
 # %% exercise-2
-from by_hand import cross, inertia, pose, skew, transform
+import numpy as np
+from by_hand import inertia, pose, transform
 
 def kinetic(bodies, q, qd):
     V, T = [], 0.0
