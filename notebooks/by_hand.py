@@ -35,3 +35,16 @@ def cross(V):
     """(6, 6): how vectors that are carried along by V change; its negative transpose does it for forces."""
     v, w = skew(V[:3]), skew(V[3:])
     return np.block([[w, v], [np.zeros((3, 3)), w]])
+
+
+def mass_matrix(bodies, q):
+    """(n, n), the sum of J' M J over the links; takes complex q, for derivatives by an imaginary step."""
+    n = len(q)
+    J, total = [], np.diag([sum(b.rotor for b in bodies if b.q == i) for i in range(n)]).astype(float)
+    for b in bodies:
+        mine = transform(*pose(b, q)) @ (J[b.parent] if b.parent >= 0 else np.zeros((6, n)))
+        if b.q >= 0:
+            mine[:, b.q] = mine[:, b.q] + b.S
+        J.append(mine)
+        total = total + mine.T @ inertia(b) @ mine
+    return total
