@@ -124,7 +124,7 @@ def gallery(site, program, only):
         page = site.folder / "scenes" / f"{name}.html"
         subprocess.run([program, "show", name, "-q", "-o", page], check=True, capture_output=True)
         drawing = re.search(r'<svg id="picture".*?</svg>', page.read_text(), re.S)[0]
-        drawing = re.sub(r'<svg id="picture"', "<svg", drawing).replace(' aria-describedby="keys"', "")
+        drawing = re.sub(r'<svg id="picture"(.*?)viewBox="[^"]*"', r'<svg\1viewBox="-220 -165 440 330"', drawing).replace(' aria-describedby="keys"', "")
         drawing = re.sub(r"<title>.*?</title>", "", drawing)
         cards.append(f'<a class="scene" href="scenes/{name}.html">{drawing}<b>{html.escape(title)}</b>'
                      f"<small><code>{name}</code>, {dof} degrees of freedom</small></a>")
@@ -197,7 +197,11 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--scene", action="append", default=[])
     arguments = parser.parse_args()
-    program = arguments.program.resolve()
+    program, there = arguments.program.resolve(), arguments.folder
+    if there.exists() and not (there / "site.css").is_file() and (not there.is_dir() or any(there.iterdir())):
+        print(f"build_site.py: {there} is no site of an earlier call; allowed: such one, an empty folder or a new one",
+              file=sys.stderr)
+        sys.exit(2)
     draft = arguments.folder.resolve().with_suffix(".draft")
     shutil.rmtree(draft, ignore_errors=True)
     site = Site(draft, ROOT, menu_of(notebook_pages.titles(ROOT / "notebooks")), homes())

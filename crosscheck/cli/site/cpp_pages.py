@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The C++ interface as pages: headers of scene/, symbolic/ and recursive/, as Doxygen's XML has them."""
 import html
+import re
 import shutil
 import subprocess
 import tempfile
@@ -33,7 +34,7 @@ def _signature(member):
     if template is not None:
         words = [" ".join(filter(None, ("".join(p.find("type").itertext()), p.findtext("declname")))) for p in template]
         text = f"template <{', '.join(words)}>\n{text}"
-    return text.replace("dynwitness::", "")
+    return re.sub(r"(?<=<) | (?=>)", "", text.replace("dynwitness::", ""))
 
 
 def _comment(header, line):
@@ -103,7 +104,7 @@ def write(site):
     for header in sorted(headers):
         text = (site.root / header).read_text()
         about = " ".join(line[3:] for line in text.splitlines()[1:6] if line.startswith("// ") and "SPDX" not in line)
-        body = "".join(f"<h3><code>{html.escape(words)}</code></h3><pre class=\"doc\">{html.escape(comment)}</pre>"
+        body = "".join(f"<pre class=\"signature\"><code>{html.escape(words)}</code></pre><pre class=\"doc\">{html.escape(comment)}</pre>"
                        for _, words, comment in sorted(headers[header]))
         page = str(header).replace("/", "_") + ".html"
         site.page(f"cpp/{page}", str(header), f"<h1><code>{header}</code></h1><p>{html.escape(about)}</p>{body}")

@@ -267,7 +267,7 @@ def plot(what, commands, size=(760, 360), **data):
     """
     lines = [f"load '{ROOT / 'crosscheck' / 'report' / 'style.gp'}'",
              f"set terminal pngcairo size {2 * size[0]},{2 * size[1]} fontscale 2 linewidth 2 pointscale 2 enhanced "
-             "rounded background rgb 'white' font 'Liberation Sans,Arial,Helvetica,sans-serif,9'"]
+             "rounded background rgb 'white' font 'Liberation Sans,Arial,Helvetica,sans-serif,7'"]
     for name, columns in data.items():
         rows = (",".join(f"{cell:.6g}" for cell in row) for row in zip(*columns, strict=True))
         lines += [f"${name} << END", *rows, "END"]
