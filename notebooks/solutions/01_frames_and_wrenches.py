@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What does a push on the hand look like at the elbow?: solutions, each in the place of the exercise with its id.
+# What does a push on the hand look like at the elbow? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 def wrench_in_parent(R, p, f, m):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Why does a thrown book tumble about one axis, and about the others not?: solutions, each in the place of the exercise with its id.
+# Why does a thrown book tumble about one axis, and about the others not? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 def moved(M, X):

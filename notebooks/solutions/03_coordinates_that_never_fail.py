@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Which coordinates of a turning body never fail?: solutions, each in the place of the exercise with its id.
+# Which coordinates of a turning body never fail? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 def product(A, B):

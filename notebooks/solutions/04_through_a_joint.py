@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What does a link feel of another one that hangs on a free joint?: solutions, each in the place of the exercise with its id.
+# What does a link feel of another one that hangs on a free joint? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 def passed_outward(P):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Inverse dynamics: two sweeps, or one matrix?: solutions, each in the place of the exercise with its id.
+# Inverse dynamics: two sweeps, or one matrix? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 import numpy as np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Can a robot be moved without its mass matrix?: solutions, each in the place of the exercise with its id.
+# Can a robot be moved without its mass matrix? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 import numpy as np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Newton-Euler adds forces, Lagrange differentiates energies. Why do they agree?: solutions, each in the place of the exercise with its id.
+# Newton-Euler adds forces, Lagrange differentiates energies. Why do they agree? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 import numpy as np

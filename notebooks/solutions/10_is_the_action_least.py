@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Nature takes the path of least action. Does it?: solutions, each in the place of the exercise with its id.
+# Nature takes the path of least action. Does it? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 path = motion(2.0, 400)

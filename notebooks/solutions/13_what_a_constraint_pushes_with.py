@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What does a constraint push with?: solutions, each in the place of the exercise with its id.
+# What does a constraint push with? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 def on_a_rail(q, qd, tau):

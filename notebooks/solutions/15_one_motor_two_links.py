@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Can one motor hold two links upright?: solutions, each in the place of the exercise with its id.
+# Can one motor hold two links upright? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 B_1 = np.concatenate([[0, 0], np.linalg.solve(M, [1, 0])])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A blow lasts a millisecond. What does the robot do?: solutions, each in the place of the exercise with its id.
+# A blow lasts a millisecond. What does the robot do? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 sizes, directions = np.linalg.eigh(J @ np.linalg.solve(arm.M(q), J.T))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What does a fast little rotor do to a slow arm?: solutions, each in the place of the exercise with its id.
+# What does a fast little rotor do to a slow arm? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 def extra_tau(q, qd, qdd):

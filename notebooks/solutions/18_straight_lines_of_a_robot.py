@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What is a straight line for a robot?: solutions, each in the place of the exercise with its id.
+# What is a straight line for a robot? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 cart_bodies = dw.bodies("cart_pole")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# How little model does a robot need?: solutions, each in the place of the exercise with its id.
+# How little model does a robot need? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 trial = {"mass of link_2": (1, dict(mass=1.05 * bodies[1].mass)), "com of link_2": (1, dict(com=bodies[1].com * [1.05, 1, 1])), "mass of link_3": (2, dict(mass=1.05 * bodies[2].mass))}

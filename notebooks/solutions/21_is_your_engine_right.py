@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Is your own dynamics code right?: solutions, each in the place of the exercise with its id.
+# Is your own dynamics code right? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 def wrong_robot(q, qd, qdd):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The end of term: can you make an engine that nobody can fault?: solutions, each in the place of the exercise with its id.
+# The end of term: can you make an engine that nobody can fault? Solutions, each in the place of the exercise with its id.
 
 # %% exercise-1
 import numpy as np
