@@ -5,7 +5,7 @@
 
 answers.py has one or more of these functions, with the arguments that it names; gravity is (3,) [m/s^2], world axes:
 tau(bodies, q, qd, qdd, gravity), qdd(bodies, q, qd, tau, gravity), M(bodies, q), c(bodies, q, qd), g(bodies, q, gravity),
-kinetic(bodies, q, qd), momentum(bodies, q, qd), jacobian(bodies, q, k, at): of body k's point `at`."""
+potential(bodies, q), kinetic(bodies, q, qd), momentum(bodies, q, qd), jacobian(bodies, q, k, at): of body k's point `at`."""
 import importlib.util
 import inspect
 import sys
@@ -15,12 +15,17 @@ import dynwitness_engine
 import numpy as np
 
 Body = namedtuple("Body", "name parent q R0 p0 S mass com inertia rotor spring rest")
-ASKED = ("tau", "qdd", "M", "c", "g", "kinetic", "momentum", "jacobian")
+ASKED = ("tau", "qdd", "M", "c", "g", "potential", "kinetic", "momentum", "jacobian")
+
+
+class Bodies(list):
+    """A list of Body, and gravity (3,) [m/s^2]."""
 
 
 def bodies_of(scene):
-    """The scene of the protocol as the list of bodies that the notebooks know."""
-    result = []
+    """The scene of the protocol as the bodies that the notebooks know."""
+    result = Bodies()
+    result.gravity = np.array(scene["gravity"], float)
     for link in scene["links"][1:]:
         joint = link["joint"]
         if joint["kind"] not in ("fixed", "revolute", "prismatic") or joint["gyroscopic"]:
@@ -40,7 +45,8 @@ def bodies_of(scene):
 
 
 def engine(scene):
-    bodies, gravity = bodies_of(scene), np.array(scene["gravity"], float)
+    bodies = bodies_of(scene)
+    gravity = bodies.gravity
 
     def ask(function):
         """The function with what the protocol gives: a state's parts, and the frame of a Jacobian."""

@@ -5,6 +5,7 @@
 best_h, digits_left = 1e-5, 10  # error h^2 of the difference, eps / h of the rounding: equal at h = eps^(1/3)
 
 # %% exercise-2
+import numpy as np
 from by_hand import pose
 
 def potential(bodies, q):

@@ -55,7 +55,7 @@ def main():
         print(f"{rubric.name}: the solution gets {got:g} of {most:g}, the same with signs changed {marks['wrong.py'][0]:g}")
         if got != most:
             complaints.append(f"{rubric.name}: the solution gets {got:g} of {most:g}: {feedback}")
-        if marks["wrong.py"][0] >= most / 2:
+        if marks["wrong.py"][0] > most / 2:  # what a sign that `check` can name keeps: partial = 0.5
             complaints.append(f"{rubric.name}: a wrong one gets {marks['wrong.py'][0]:g} of {most:g}")
     print("\n".join(complaints))
     sys.exit(bool(complaints))

@@ -114,6 +114,22 @@ def scene_names(program):
             for line in listed.splitlines() if " dof " in line]
 
 
+def box_around(drawing):
+    """The viewBox of what is drawn: lines, points, and circles by where they are and how large."""
+    xs, ys = [0.0], [0.0]
+    for x, y in re.findall(r"[ML](-?[\d.]+) (-?[\d.]+)", drawing) + re.findall(r'cx="(-?[\d.]+)" cy="(-?[\d.]+)"', drawing):
+        xs.append(float(x))
+        ys.append(float(y))
+    for numbers in re.findall(r'class="outline" r="1" transform="matrix\(([^)]*)\)"', drawing):
+        a, b, c, d, x, y = map(float, numbers.split())
+        wide, high = (a * a + c * c) ** 0.5, (b * b + d * d) ** 0.5
+        xs += [x - wide, x + wide]
+        ys += [y - high, y + high]
+    margin = 0.08 * max(max(xs) - min(xs), max(ys) - min(ys))
+    return (f"{min(xs) - margin:.0f} {min(ys) - margin:.0f} {max(xs) - min(xs) + 2 * margin:.0f} "
+            f"{max(ys) - min(ys) + 2 * margin:.0f}")
+
+
 def gallery(site, program, only):
     """A picture of each bundled scene, and its page with one that moves."""
     cards = []
@@ -124,7 +140,8 @@ def gallery(site, program, only):
         page = site.folder / "scenes" / f"{name}.html"
         subprocess.run([program, "show", name, "-q", "-o", page], check=True, capture_output=True)
         drawing = re.search(r'<svg id="picture".*?</svg>', page.read_text(), re.S)[0]
-        drawing = re.sub(r'<svg id="picture"(.*?)viewBox="[^"]*"', r'<svg\1viewBox="-220 -165 440 330"', drawing).replace(' aria-describedby="keys"', "")
+        drawing = re.sub(r'<svg id="picture"(.*?)viewBox="[^"]*"', rf'<svg\1viewBox="{box_around(drawing)}"', drawing)
+        drawing = drawing.replace(' aria-describedby="keys"', "")
         drawing = re.sub(r"<title>.*?</title>", "", drawing)
         cards.append(f'<a class="scene" href="scenes/{name}.html">{drawing}<b>{html.escape(title)}</b>'
                      f"<small><code>{name}</code>, {dof} degrees of freedom</small></a>")
@@ -149,6 +166,7 @@ def python_page(site, program):
     done = subprocess.run(["/usr/bin/python3", "-c", listing], capture_output=True, text=True,
                           env={**os.environ, "PYTHONPATH": str(ROOT / "crosscheck/python")})
     if done.returncode or "Scene.M" not in done.stdout:
+        site.page("python.html", "Python interface", "<h1>Python interface</h1><p>Not built: the module was missing.</p>")
         site.left_out("the Python interface: ./dynwitness python builds the module")
         return
     parts = re.split(r"^## (\S.*)\n", done.stdout, flags=re.M)[1:]
