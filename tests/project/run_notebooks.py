@@ -7,8 +7,11 @@
 PROGRAM is dynwitness. Exit status 1: a cell raised, or its text differs from the kept one; pictures
 must be there and are not compared, since they change with gnuplot's version. A cell tagged
 needs-NAME is not compared where the witness NAME is not installed, and must run all the same.
+A cell tagged "exercise" is for the reader to fill in, and the next, tagged "raises-exception", must fail by an
+AssertionError until then; after notebooks/solutions/NOTEBOOK.py, whose part "# %% ID" takes the place of the
+exercise with that id, it must hold.
 --update keeps the new outputs instead of comparing; it refuses where a cell raises or a witness is
-missing. Exit status 77 (skipped), with the reason: a Python package is missing."""
+missing. Exit status 77 (skipped), with the reason: a Python package or the module is missing."""
 import argparse
 import difflib
 import os
@@ -61,6 +64,37 @@ def missing_witnesses(program):
     return set(re.findall(r"^witness (\w+) +absent", done.stdout, re.M))
 
 
+def solutions(path):
+    """{id of an exercise: the text of its solution} of one notebook."""
+    file = FOLDER / "solutions" / f"{path.stem}.py"
+    if not file.exists():
+        return {}
+    parts = re.split(r"^# %% (\S+)\n", file.read_text(), flags=re.M)
+    return {name: text.strip() for name, text in zip(parts[1::2], parts[2::2])}
+
+
+def with_solutions(notebook, path, nbformat):
+    """The cells to run after a notebook's own: each exercise solved, and its check. And what is missing."""
+    solved, cells, complaints = solutions(path), [], []
+    for cell, check in zip(notebook.cells, notebook.cells[1:]):
+        if "exercise" not in cell.metadata.get("tags", []):
+            continue
+        if "raises-exception" not in check.metadata.get("tags", []):
+            complaints.append(f"{path.name}: no check follows {cell.id}")
+        if cell.id not in solved:
+            complaints.append(f"{path.name}: no solution of {cell.id}")
+            continue
+        cells += [nbformat.v4.new_code_cell(solved.pop(cell.id)), nbformat.v4.new_code_cell(check.source)]
+    return cells, complaints + [f"{path.name}: a solution of {name}, which is no exercise" for name in solved]
+
+
+def shortened(cell):
+    """An error without the trace, which names folders."""
+    for output in cell.outputs:
+        if output.output_type == "error":
+            output.traceback = [f"{output.ename}: {output.evalue}"]
+
+
 def tidy(notebook):
     """Without all that differs from run to run: counts, times, the version of Python."""
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
@@ -79,32 +113,47 @@ def tidy(notebook):
             else:
                 merged.append(output)
         cell.outputs = merged
+        shortened(cell)
         for output in cell.outputs:
             if "execution_count" in output:
                 output.execution_count = None
             if output.output_type in ("display_data", "execute_result"):
-                output.metadata = {}
+                output.metadata = {kind: size for kind, size in output.metadata.items() if kind == "image/png"}
 
 
 def test(path, missing, update, nbformat, nbclient):
     """Complaints about one notebook."""
     kept = nbformat.read(path, as_version=4)
     new = nbformat.read(path, as_version=4)
+    own = len(new.cells)
+    solved, complaints = with_solutions(new, path, nbformat)
+    new.cells += solved
     try:
         nbclient.NotebookClient(new, timeout=PATIENCE, startup_timeout=PATIENCE, allow_errors=True,
                                 kernel_name="python3",
                                 resources={"metadata": {"path": str(FOLDER)}}).execute()
     except (nbclient.exceptions.CellTimeoutError, nbclient.exceptions.DeadKernelError) as error:
         return [f"{path.name}: {error}"]
-    complaints, not_compared = [], 0
+    not_compared = 0
+    for number, cell in enumerate(new.cells[own:]):
+        for output in cell.outputs:
+            if output.output_type == "error":
+                complaints.append(f"{path.name}, solution or check {number // 2 + 1} of its exercises: {raised(output)}")
+    del new.cells[own:]
     for number, (old, cell) in enumerate(zip(kept.cells, new.cells), 1):
         if cell.cell_type != "code":
             continue
         where = f"{path.name}, cell {number} ({cell.source.strip().splitlines()[0][:60]})"
         wrong = [output for output in cell.outputs if output.output_type == "error"]
-        if wrong:
+        if "raises-exception" in cell.metadata.get("tags", []):
+            if not wrong or wrong[0].ename != "AssertionError":
+                complaints.append(f"{where}: an unsolved exercise must fail by an AssertionError, got "
+                                  f"{raised(wrong[0]) if wrong else 'no error'}")
+        elif wrong:
             complaints.append(f"{where}: {raised(wrong[0])}")
             break  # what follows builds on it
+        if any("image/svg+xml" in output.get("data", {}) for output in cell.outputs):
+            complaints.append(f"{where}: a picture as SVG, which nbconvert of Debian 12 leaves out of pages: PNG")
         tags = cell.metadata.get("tags", [])
         absent = {tag[len("needs-"):] for tag in tags if tag.startswith("needs-")} & missing
         if absent:
@@ -136,8 +185,10 @@ def main():
         import nbclient
         import nbformat
         import numpy  # noqa: F401  used by the notebooks
+        sys.path.insert(0, str(FOLDER))
+        from dynwitness import _core  # noqa: F401  the module, in process
     except ImportError as error:
-        print(f"skipped: {error}; on Debian: python3-nbclient python3-ipykernel python3-numpy")
+        print(f"skipped: {error}; on Debian: python3-nbclient python3-ipykernel python3-numpy, and ./dynwitness python")
         sys.exit(SKIP)
     paths = arguments.notebooks or sorted(FOLDER.glob("*.ipynb"))
     if not paths:

@@ -100,7 +100,7 @@ check 'the version is that of the project' prints 'dynwitness 1.2.3'
 check 'and builds nothing' builds_nothing
 call reader
 check 'a word that is no command is refused' exits 2
-check 'with what is near' says '"reader" is no command, did you mean readers?; allowed: test bench package python exit readers'
+check 'with what is near' says '"reader" is no command, did you mean readers?; allowed: test bench package python docs exit readers'
 check 'and builds nothing' builds_nothing
 call --frobnicate
 check 'an option that is none is refused' exits 2

@@ -3,7 +3,7 @@
 
 It is the ./dynwitness of this checkout (it builds itself when first called), or what the environment
 variable DYNWITNESS_PROGRAM names. A scene is a name (`run("scenes")` lists them), a TOML, URDF or MJCF
-file, a `Scene`, or a `SceneText`. Pictures are SVG, drawn by gnuplot.
+file, a `Scene`, or a `SceneText`. Pictures are drawn by gnuplot.
 """
 import json
 import os
@@ -381,13 +381,14 @@ class Table:
 
 
 class Picture:
-    """An SVG, which a notebook shows; `what` says in words what is to be seen."""
+    """A PNG of twice as many dots as it is wide [px], which a notebook shows; `what` says in words what is to be
+    seen. Not SVG: nbconvert of Debian 12 exports pages without them."""
 
-    def __init__(self, svg, what):
-        self.svg, self.what = svg, what
+    def __init__(self, png, width, what):
+        self.png, self.width, self.what = png, width, what
 
-    def _repr_svg_(self):
-        return self.svg
+    def _repr_png_(self):
+        return self.png, {"width": self.width}
 
     def __repr__(self):
         return f"picture: {self.what}"
@@ -398,20 +399,16 @@ def plot(what, commands, size=(760, 360), **data):
 
     commands: a gnuplot script, whose lines may also end after a comma; each name in `data` is there
         a data block, `plot $name using 1:2 ...`, with one column for each of the given sequences.
+    size: [px], of screens of ordinary density.
     """
     lines = [f"load '{ROOT / 'crosscheck' / 'report' / 'style.gp'}'",
-             f"set terminal svg size {size[0]},{size[1]} fixed enhanced rounded linewidth 1 "
-             "background rgb 'white' font 'Liberation Sans,Arial,Helvetica,sans-serif,13'"]
+             f"set terminal pngcairo size {2 * size[0]},{2 * size[1]} fontscale 2 linewidth 2 pointscale 2 enhanced "
+             "rounded background rgb 'white' font 'Liberation Sans,Arial,Helvetica,sans-serif,7'"]
     for name, columns in data.items():
         rows = (",".join(f"{cell:.6g}" for cell in row) for row in zip(*columns, strict=True))
         lines += [f"${name} << END", *rows, "END"]
     lines.append(re.sub(r",\s*\n", ", ", commands))
-    done = subprocess.run(["gnuplot"], input="\n".join(lines), capture_output=True, text=True)
-    if done.returncode or not done.stdout.rstrip().endswith("</svg>"):
-        raise RuntimeError(f"gnuplot: {done.stderr.strip() or 'drew nothing'}")
-    # without XML declaration, which some readers of notebooks refuse in the middle of a page
-    svg = done.stdout[done.stdout.index("<svg"):]
-    title = f"<title>{_escaped(what)}</title>"
-    svg = re.sub(r"<title>.*?</title>\s*<desc>.*?</desc>", lambda _: title, svg,
-                 count=1, flags=re.S)
-    return Picture(svg, what)
+    done = subprocess.run(["gnuplot"], input="\n".join(lines).encode(), capture_output=True)
+    if done.returncode or not done.stdout.startswith(b"\x89PNG"):
+        raise RuntimeError(f"gnuplot: {done.stderr.decode().strip() or 'drew nothing'}")
+    return Picture(done.stdout, size[0], what)
