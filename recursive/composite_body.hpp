@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "recursive/joint_forces.hpp"
+#include "scene/matrix.hpp"
 
 namespace dynwitness::recursive {
 
-template <typename T>
-using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+using scene::MatrixX;
 
 namespace detail {
 

@@ -10,8 +10,7 @@
 
 namespace dynwitness::recursive {
 
-template <typename T>
-using VectorX = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+using scene::VectorX;
 
 /// One closure: frame A fixed to link a, frame B to link b (-1: the world).
 template <typename T>

@@ -14,6 +14,7 @@
 #include "crosscheck/scalars/formula_sizes.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "recursive/spatial.hpp"
+#include "scene/matrix.hpp"
 
 namespace dynwitness::audit {
 
@@ -35,10 +36,8 @@ using recursive::Vector6;
 /// The scalar of exact statements; templates over others (Jet<T>, Ball) have a T of their own.
 using T = PrimeField;
 
-template <typename T>
-using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
-template <typename T>
-using VectorX = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+using scene::MatrixX;
+using scene::VectorX;
 
 /// left - right, entry by entry, of one named comparison.
 template <typename T>

@@ -13,7 +13,7 @@ Ball exactly(const T& x) {
 }
 
 template <typename T>
-MatrixOf<Ball> exactlyAll(const MatrixOf<T>& m) {
+MatrixX<Ball> exactlyAll(const MatrixX<T>& m) {
   const BallPrecision precision(400);  // the longest mantissa, that of 50 digits, has 168 bits
   return m.unaryExpr([](const T& x) { return exactly(x); });
 }

@@ -53,7 +53,7 @@ class AskedProgram : public Method {
     }
     value_ = witness_->value(quantity_, states_[static_cast<std::size_t>(state)]);
   }
-  MatrixOf<Ball> answer() const override { return exactlyAll<double>(value_); }
+  MatrixX<Ball> answer() const override { return exactlyAll<double>(value_); }
 
  private:
   std::unique_ptr<Witness> witness_;
@@ -151,7 +151,7 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
 // --------------------------------------------------------------------------------- measurement
 
 /// Largest distance of an entry to the truth / largest entry of the truth, rounded up.
-double relativeError(const MatrixOf<Ball>& answer, const MatrixOf<Ball>& truth) {
+double relativeError(const MatrixX<Ball>& answer, const MatrixX<Ball>& truth) {
   const BallPrecision precision(kChartTruthBits);
   double size = 0, error = 0;
   for (Eigen::Index k = 0; k < truth.size(); ++k) {
@@ -211,7 +211,7 @@ Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
         fmt::format("speedAccuracy: quantity: expected M, tau or qdd, got {}", name(quantity)));
   Chart chart{scene.name, scene.title, name(quantity), states, seed, cpuModel(), {}, {}, {}};
   States drawn;
-  std::vector<MatrixOf<Ball>> truths;
+  std::vector<MatrixX<Ball>> truths;
   Truth truth(scene.mechanism, kChartTruthBits);
   scene::Work work("", 10);
   std::optional<scene::Work> part(std::in_place, "certified truth", states, 5);

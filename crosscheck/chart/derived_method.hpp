@@ -21,8 +21,8 @@ class DerivedMethod : public Method {
         M_(dof, dof),
         out_(dof) {}
 
-  MatrixOf<Ball> answer() const override {
-    return exactlyAll<double>(quantity_ == Quantity::kM ? M_ : MatrixOf<double>(column(out_)));
+  MatrixX<Ball> answer() const override {
+    return exactlyAll<double>(quantity_ == Quantity::kM ? M_ : MatrixX<double>(column(out_)));
   }
 
  protected:
@@ -33,7 +33,7 @@ class DerivedMethod : public Method {
   }
   Quantity quantity_;
   States states_;
-  MatrixOf<double> M_;
+  MatrixX<double> M_;
   std::vector<double> out_;
 };
 

@@ -13,7 +13,7 @@ class EngineMethod : public Method {
         quantity_(quantity),
         states_(states) {}
   void run(int state) override { value_ = witness_->value(quantity_, states_[state]); }
-  MatrixOf<Ball> answer() const override { return exactlyAll<double>(value_); }
+  MatrixX<Ball> answer() const override { return exactlyAll<double>(value_); }
 
  private:
   std::unique_ptr<Witness> witness_;
@@ -40,7 +40,7 @@ class RawEngineMethod : public TimedApart {
   void runAll(int first, int last) override {
     for (int k = first; k < last; ++k) raw_.call(states_[k], q_[k]);
   }
-  MatrixOf<Ball> answer() const override { return exactlyAll<double>(value_); }
+  MatrixX<Ball> answer() const override { return exactlyAll<double>(value_); }
 
  private:
   std::unique_ptr<Witness> witness_;

@@ -32,14 +32,14 @@ class FastMethod : public Method {
     else
       sweeps_.inverseDynamics(q, s.qd.data(), s.qdd.data(), out_.data());
   }
-  MatrixOf<Ball> answer() const override { return exactlyAll<double>(out_); }
+  MatrixX<Ball> answer() const override { return exactlyAll<double>(out_); }
 
  private:
   Quantity quantity_;
   recursive::fast::Dynamics sweeps_;
   States states_;
   std::vector<std::vector<double>> q_;
-  MatrixOf<double> out_;
+  MatrixX<double> out_;
 };
 
 }  // namespace

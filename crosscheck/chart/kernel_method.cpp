@@ -35,10 +35,10 @@ class KernelMethod : public Method {
     else
       kernel_->inverseDynamics(in.q.data(), in.qd.data(), in.w.data(), out_.data());
   }
-  MatrixOf<Ball> answer() const override {
+  MatrixX<Ball> answer() const override {
     const int n = kernel_->dof();  // M is symmetric: by rows is by columns
-    return exactlyAll<double>(MatrixOf<double>(
-        Eigen::Map<const MatrixOf<double>>(out_.data(), n, quantity_ == Quantity::kM ? n : 1)));
+    return exactlyAll<double>(MatrixX<double>(
+        Eigen::Map<const MatrixX<double>>(out_.data(), n, quantity_ == Quantity::kM ? n : 1)));
   }
 
   Quantity quantity() const { return quantity_; }
@@ -88,10 +88,10 @@ class LanesMethod : public TimedApart {
     at_ = state;
   }
   void runAll(int first, int) override { run(batchOf(first)); }
-  MatrixOf<Ball> answer() const override {
+  MatrixX<Ball> answer() const override {
     const Batch& batch = batchOf(at_);
     const int n = kernel_->dof(), columns = quantity_ == Quantity::kM ? n : 1;
-    MatrixOf<double> value(n, columns);  // M is symmetric: by rows is by columns
+    MatrixX<double> value(n, columns);  // M is symmetric: by rows is by columns
     for (int i = 0; i < value.size(); ++i)
       value.data()[i] = out_[static_cast<std::size_t>(i) * batch.count + (at_ - batch.first)];
     return exactlyAll<double>(value);

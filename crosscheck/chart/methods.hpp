@@ -21,8 +21,8 @@ class Method {
  public:
   Method(std::string name, Scalar scalar) : name(std::move(name)), scalar(scalar) {}
   virtual ~Method() = default;
-  virtual void run(int state) = 0;            ///< what is timed
-  virtual MatrixOf<Ball> answer() const = 0;  ///< of the last run, exactly as it is
+  virtual void run(int state) = 0;           ///< what is timed
+  virtual MatrixX<Ball> answer() const = 0;  ///< of the last run, exactly as it is
 
   const std::string name;
   const Scalar scalar;

@@ -79,7 +79,7 @@ class SweepMethod : public Method {
         break;
     }
   }
-  MatrixOf<Ball> answer() const override {
+  MatrixX<Ball> answer() const override {
     return exactlyAll<T>(sweep_ == Sweep::kCompositeBody ? M_ : column(out_));
   }
 

@@ -95,8 +95,8 @@ Exhibit Bench::ask(Quantity quantity, const scene::State<double>& state, int ind
     out.failure = error.what();
     return out;
   }
-  MatrixOf<Ball> distance;
-  const auto middles = [](const MatrixOf<Ball>& m) {
+  MatrixX<Ball> distance;
+  const auto middles = [](const MatrixX<Ball>& m) {
     return Eigen::MatrixXd(m.unaryExpr([](const Ball& x) { return x.mid(); }));
   };
   double size = 0, off = 0;
@@ -123,7 +123,7 @@ Exhibit Bench::ask(Quantity quantity, const scene::State<double>& state, int ind
     out.sweep_bound = out.bound.cwiseMax(factor_ * bound_(Quantity::kTau, out.state));
     out.size = residual.size;
   } else {
-    distance = MatrixOf<Ball>(answer.value.rows(), answer.value.cols());
+    distance = MatrixX<Ball>(answer.value.rows(), answer.value.cols());
     for (Eigen::Index k = 0; k < distance.size(); ++k)
       distance.data()[k] = Ball(answer.value.data()[k]) - exact.value.data()[k];
     out.said = answer.value;

@@ -29,7 +29,7 @@ std::map<std::string, std::string> nothingInField(const scene::Scene& scene,
     for (const Quantity quantity : kAllQuantities) {
       if ((quantity == Quantity::kQdd) != (sweep.name == ArticulatedBody::kName)) continue;
       try {  // the prime may divide a number of the scene, too
-        const MatrixOf<PrimeField> value = sweep.in_field(number)(quantity, state);
+        const MatrixX<PrimeField> value = sweep.in_field(number)(quantity, state);
         const bool is_zero = std::all_of(value.data(), value.data() + value.size(),
                                          [](const PrimeField& x) { return x.isZero(); });
         if (is_zero) nothing[name(quantity)] = "is zero";

@@ -187,7 +187,7 @@ std::vector<Pair> pairsOf(const std::vector<ExactWitness>& witnesses) {
 SidesOfAll ask(const std::vector<Pair>& pairs, const std::vector<ExactWitness::Answers>& witnesses,
                const scene::State<PrimeField>& state) {
   struct Testimony {
-    MatrixOf<PrimeField> answer;
+    MatrixX<PrimeField> answer;
     std::string failure;
   };
   std::map<std::pair<Quantity, std::size_t>, Testimony> said;
@@ -280,7 +280,7 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
       recursive::constraintEquations(model, state.x, state.qd, ws, sweeps);
       const std::vector<T> values = symbolic::ProgramRun<T>(*program, number)(state);
       const Eigen::Index m = sweeps.rows(), n = model.dof();
-      const MatrixOf<T> right[kParts] = {sweeps.phi, sweeps.J, sweeps.gamma};
+      const MatrixX<T> right[kParts] = {sweeps.phi, sweeps.J, sweeps.gamma};
       const T* from = values.data();
       for (int k = 0; k < kParts; ++k) {
         const Eigen::Index columns = k == 1 ? n : 1;

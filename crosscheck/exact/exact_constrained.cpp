@@ -71,7 +71,7 @@ Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedCo
       if (!mechanism.isDriven()) return;
       std::vector<T> taken(model.dof(), T(0));
       recursive::inverseDynamics(model, state.x, state.qd, swept.qdd, ws, taken);
-      const VectorOf<T> drive = column(taken) - closures.J.transpose() * swept.lambda;
+      const VectorX<T> drive = column(taken) - closures.J.transpose() * swept.lambda;
       all[2].left = x.tau;
       all[2].right = column(state.tau);
       for (int i = 0; i < model.dof(); ++i)
@@ -123,8 +123,8 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedC
       for (auto& task : held) task.compliance.resize(0);
       tau = state.tau;
       if (k > 0) recursive::taskTorque(model, state.x, state.qd, held, ws, cws, tau);
-      MatrixOf<T> M = e.M;
-      VectorOf<T> moved = column(tau) - e.bias;
+      MatrixX<T> M = e.M;
+      VectorX<T> moved = column(tau) - e.bias;
       recursive::factorize(M);
       recursive::solve(M, moved);
       all[3].left = e.J * moved;
@@ -162,7 +162,7 @@ Inquiry baseProblem(const scene::Mechanism& mechanism,
         base.b(i) = held[i].b(0);
       }
       std::vector<T> qdd = state.qdd;
-      VectorOf<T> force;
+      VectorX<T> force;
       recursive::baseConstrainedDynamics(model, state.x, state.qd, state.tau, base, ws, qdd,
                                          &force);
       DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);
@@ -242,7 +242,7 @@ Inquiry reactions(const scene::Mechanism& mechanism,
     using T = PrimeField;
     return answered(1, [&](SidesOfAll& all) {
       const auto held = static_cast<Eigen::Index>(mechanism.acceleration_constraints.size());
-      VectorOf<T> forces(dense->closure_rows + held);
+      VectorX<T> forces(dense->closure_rows + held);
       for (Eigen::Index i = 0; i < forces.size(); ++i) {
         const auto n = static_cast<Eigen::Index>(state.tau.size());
         forces(i) = state.tau[static_cast<std::size_t>(i % n)] * T(1 + static_cast<int>(i / n));
@@ -254,7 +254,7 @@ Inquiry reactions(const scene::Mechanism& mechanism,
       std::vector<T> swept(6 * (mechanism.links.size() - 1), T(0));
       recursive::detail::reactionsUnder(
           mechanism, number, state.x, state.qd, state.qdd,
-          VectorOf<T>(forces.head(dense->closure_rows)), VectorOf<T>(forces.tail(held)),
+          VectorX<T>(forces.head(dense->closure_rows)), VectorX<T>(forces.tail(held)),
           [&of](std::vector<T>& tau) {
             recursive::detail::addPulls(of.model, of.springs, of.closures.X_W, of.ws, tau,
                                         fieldPull);

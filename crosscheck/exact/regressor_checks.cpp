@@ -17,9 +17,9 @@ TwoSides<T> sides(const scene::Mechanism& mechanism, const symbolic::Program& de
   const auto parameters = scene::inertialParameters(mechanism);
   const auto model = recursive::buildModel(mechanism, number);
   recursive::Workspace<T> ws(model);
-  MatrixOf<T> Y(model.dof(), parameters.size());
+  MatrixX<T> Y(model.dof(), parameters.size());
   recursive::regressor(model, parameters, state.x, state.qd, state.qdd, ws, Y);
-  TwoSides<T> out{MatrixOf<T>(Y.cols(), 1), MatrixOf<T>(Y.cols(), 1)};
+  TwoSides<T> out{MatrixX<T>(Y.cols(), 1), MatrixX<T>(Y.cols(), 1)};
   const std::vector<T> values = symbolic::ProgramRun<T>(derived, number)(state);
   for (Eigen::Index j = 0; j < Y.cols(); ++j) {
     T sum = T(0);

@@ -365,7 +365,7 @@ class Answers {
     }
     const BallPrecision precision(kLimitBits);
     Eigen::MatrixXd bound = bound_(quantity, state);
-    MatrixOf<Ball> exact = truth.value;
+    MatrixX<Ball> exact = truth.value;
     if (quantity == Quantity::kReactions) {  // a row a joint
       exact = truth.value.reshaped<Eigen::RowMajor>(truth.value.size() / 6, 6).eval();
       bound = bound.reshaped<Eigen::RowMajor>(bound.size() / 6, 6).eval();

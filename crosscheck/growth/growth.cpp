@@ -86,7 +86,7 @@ struct Numbers {
          peak_bytes = kNothing, fd_error = kNothing;
 };  // bytes: in all, not a link
 
-double errorOf(const Eigen::MatrixXd& value, const MatrixOf<Ball>* truth) {
+double errorOf(const Eigen::MatrixXd& value, const MatrixX<Ball>* truth) {
   if (!truth) return kNothing;
   const BallPrecision precision(2 * Truth::kAccuracy);
   double size = 0, error = 0;
@@ -125,7 +125,7 @@ constexpr Effort kForOurs = {3, 8, 0.15}, kForEngines = {1, 2, 0.1};
 
 /// Builds and asks; `make` returns a GrowthMethod, `told` takes what is known so far.
 template <typename Make, typename Told>
-void measure(const Make& make, const scene::State<double>& state, const MatrixOf<Ball>* truth,
+void measure(const Make& make, const scene::State<double>& state, const MatrixX<Ball>* truth,
              const Effort& effort, const Told& told) {
   Numbers out;
   std::unique_ptr<GrowthMethod> method;
@@ -261,7 +261,7 @@ std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines,
         if (given_up.count(method)) return;
         GrowthPoint point{family, links, method};
         Numbers numbers;
-        const MatrixOf<Ball>* truth = question.truth.exists() ? &question.truth.value : nullptr;
+        const MatrixX<Ball>* truth = question.truth.exists() ? &question.truth.value : nullptr;
         point.failure =
             apart([&](const auto& told) { measure(make, question.state, truth, effort, told); },
                   patience, &numbers);

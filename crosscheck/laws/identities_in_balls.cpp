@@ -70,7 +70,7 @@ double PositivePivots::operator()(const scene::State<double>& state) {
     std::unique_ptr<Setup<Ball>>& setup = impl_->setups[bits];
     if (!setup)
       setup = std::make_unique<Setup<Ball>>(impl_->mechanism, BallNumbers(impl_->mechanism));
-    MatrixOf<Ball> M =
+    MatrixX<Ball> M =
         CompositeBody::answer(*setup, Quantity::kM, ballState(state, impl_->mechanism));
     recursive::factorize(M);
     worst = 0;

@@ -48,7 +48,7 @@ recursive::PointMotion<T> pointByMatrices(HomogeneousModel<T>& model, const scen
   out.position = (W * x).template head<3>();
   out.velocity = of(Wd, R(Wd) * back);
   out.acceleration = of(Wdd, R(Wdd) * back + R(Wd) * back_rate);
-  out.J = out.J_rate = MatrixOf<T>::Constant(6, model.dof(), T(0));
+  out.J = out.J_rate = MatrixX<T>::Constant(6, model.dof(), T(0));
   std::vector<T> unit(state.qd.size(), T(0));
   for (std::size_t k = 0; k < unit.size(); ++k) {
     unit[k] = T(1);
@@ -92,7 +92,7 @@ struct PlaceOfAPoint : Law {
   template <typename T>
   static TwoSides<T> sides(const PointOfMechanism<T>& at) {
     const auto all = [](const recursive::PointMotion<T>& m) {
-      MatrixOf<T> out(3, 4);
+      MatrixX<T> out(3, 4);
       out << m.R, m.position;
       return out;
     };
@@ -107,7 +107,7 @@ struct MotionOfAPoint : Law {
   template <typename T>
   static TwoSides<T> sides(const PointOfMechanism<T>& at) {
     const auto all = [](const recursive::PointMotion<T>& m) {
-      MatrixOf<T> out(6, 2);
+      MatrixX<T> out(6, 2);
       out << m.velocity.vector(), m.acceleration.vector();
       return out;
     };
@@ -122,7 +122,7 @@ struct JacobianOfAPoint : Law {
   template <typename T>
   static TwoSides<T> sides(const PointOfMechanism<T>& at) {
     const auto all = [](const recursive::PointMotion<T>& m) {
-      MatrixOf<T> out(12, m.J.cols());
+      MatrixX<T> out(12, m.J.cols());
       out << m.J, m.J_rate;
       return out;
     };
@@ -136,8 +136,8 @@ struct JacobianMakesTheMotion : Law {
                                       "jacobian", "sweeps", ""};
   template <typename T>
   static TwoSides<T> sides(const PointOfMechanism<T>& at) {
-    const MatrixOf<T> qd = column(at.qd), qdd = column(at.qdd);
-    TwoSides<T> out = {MatrixOf<T>(6, 2), MatrixOf<T>(6, 2)};
+    const MatrixX<T> qd = column(at.qd), qdd = column(at.qdd);
+    TwoSides<T> out = {MatrixX<T>(6, 2), MatrixX<T>(6, 2)};
     out.left << at.swept.velocity.vector(), at.swept.acceleration.vector();
     out.right << at.swept.J * qd, at.swept.J * qdd + at.swept.J_rate * qd;
     return out;

@@ -41,7 +41,7 @@ template <typename T>
 class SweptMechanism {
  public:
   using Scalar = T;
-  using MatrixX = recursive::MatrixX<T>;
+  using Matrix = scene::MatrixX<T>;
   using Moving = Dual<T>;  ///< along the motion
 
   template <typename Numbers>
@@ -58,47 +58,47 @@ class SweptMechanism {
 
   const scene::State<T>& state() const { return state_; }
   int n() const { return model_.dof(); }
-  MatrixX qd() const { return column(state_.qd); }
-  MatrixX qdd() const { return column(state_.qdd); }
+  Matrix qd() const { return column(state_.qd); }
+  Matrix qdd() const { return column(state_.qdd); }
   std::vector<T> zeros() const { return std::vector<T>(n(), T(0)); }
   /// All 0 but entry k.
   std::vector<T> unit(int k) const;
-  static MatrixX column(const std::vector<T>& v);
-  static MatrixX one(const T& x) { return MatrixX::Constant(1, 1, x); }
+  static Matrix column(const std::vector<T>& v);
+  static Matrix one(const T& x) { return Matrix::Constant(1, 1, x); }
 
   // ---- the mechanism's own sweeps ---------------------------------------------------------------
 
   const recursive::Model<T>& model() const { return model_; }
   /// By Newton-Euler, at this position.
-  MatrixX inverse(const std::vector<T>& qd, const std::vector<T>& qdd, recursive::Terms terms);
+  Matrix inverse(const std::vector<T>& qd, const std::vector<T>& qdd, recursive::Terms terms);
   /// Of the state, all terms.
-  const MatrixX& tau();
+  const Matrix& tau();
   /// By articulated bodies, at this position and these rates.
-  MatrixX forward(const MatrixX& tau);
+  Matrix forward(const Matrix& tau);
   /// By composite bodies.
-  const MatrixX& M();
-  const MatrixX& C();
+  const Matrix& M();
+  const Matrix& C();
   T kineticEnergy() { return recursive::kineticEnergy(model_, state_.x, state_.qd, ws_); }
   T frictionPower() const;
   /// From parent to link, one a link of the model.
   const std::vector<recursive::Transform<T>>& transforms();
   /// Y pi
-  MatrixX regressed();
+  Matrix regressed();
   /// Links of the model whose joints move.
   std::vector<int> movingLinks() const;
 
   // ---- rates along the motion, by dual numbers --------------------------------------------------
 
   T energyRate();
-  MatrixX massMatrixRate();
+  Matrix massMatrixRate();
   /// dV/dq_i: the rate of V when joint i alone moves with unit velocity.
-  const MatrixX& potentialGradient();
+  const Matrix& potentialGradient();
   /// Of all links, about the world's origin.
-  MatrixX momentumRate();
+  Matrix momentumRate();
   /// Of tau by Newton-Euler along a direction of q, qd and qdd.
-  MatrixX tauRate(const Direction<T>& along);
+  Matrix tauRate(const Direction<T>& along);
   /// Of qdd by articulated bodies along a direction of q, qd and tau.
-  MatrixX qddRate(const Direction<T>& along);
+  Matrix qddRate(const Direction<T>& along);
 
   // ---- derivatives by sweeps of their own -------------------------------------------------------
 
@@ -109,12 +109,12 @@ class SweptMechanism {
   const recursive::InverseDynamicsDerivatives<T>& ofInverse();
   const recursive::ForwardDynamicsDerivatives<T>& ofForward();
   /// dg/dq: at rest, of weights and springs alone.
-  MatrixX stiffness();
+  Matrix stiffness();
 
   // ---- with fixed joints kept -------------------------------------------------------------------
 
   const recursive::Model<T>& withFixedJoints() const { return kept_; }
-  const MatrixX& tauWithFixedJoints();
+  const Matrix& tauWithFixedJoints();
   /// As that sweep left the links.
   const recursive::Workspace<T>& sweptWithFixedJoints();
   /// Through the joint of each link of the scene; there is none at its root.
@@ -137,15 +137,15 @@ class SweptMechanism {
     return moving(model_, state_.x, qd);
   }
   std::vector<Moving> movingRates() const;
-  static MatrixX derivatives(const std::vector<Moving>& v);
+  static Matrix derivatives(const std::vector<Moving>& v);
   /// Of a symmetric matrix.
-  static MatrixX inverseOf(MatrixX D);
+  static Matrix inverseOf(Matrix D);
   /// @param swept  a copy of what the sweep of free_ left
   PassedJoint<T> passedJoint(int i, recursive::Workspace<T>& swept) const;
 
   /// Of the state.
   struct Known {
-    Kept<MatrixX> tau, M, C, gradient, tau_kept;
+    Kept<Matrix> tau, M, C, gradient, tau_kept;
     Kept<std::vector<recursive::Transform<T>>> transforms;
     Kept<std::vector<recursive::Force<T>>> reactions;
     Kept<std::vector<T>> qdd_free;
@@ -223,7 +223,7 @@ const recursive::MatrixX<T>& SweptMechanism<T>::tau() {
 }
 
 template <typename T>
-recursive::MatrixX<T> SweptMechanism<T>::forward(const MatrixX& tau) {
+recursive::MatrixX<T> SweptMechanism<T>::forward(const Matrix& tau) {
   std::vector<T> qdd = zeros();
   const std::vector<T> forces(tau.data(), tau.data() + tau.size());
   recursive::forwardDynamics(model_, state_.x, state_.qd, forces, ws_, qdd);
@@ -233,7 +233,7 @@ recursive::MatrixX<T> SweptMechanism<T>::forward(const MatrixX& tau) {
 template <typename T>
 const recursive::MatrixX<T>& SweptMechanism<T>::M() {
   return known_.M([&] {
-    MatrixX M(n(), n());
+    Matrix M(n(), n());
     recursive::massMatrix(model_, state_.x, ws_, M);
     return M;
   });
@@ -259,7 +259,7 @@ const std::vector<recursive::Transform<T>>& SweptMechanism<T>::transforms() {
 
 template <typename T>
 recursive::MatrixX<T> SweptMechanism<T>::regressed() {
-  MatrixX Y(n(), parameters_.size());
+  Matrix Y(n(), parameters_.size());
   recursive::regressor(model_, parameters_, state_.x, state_.qd, state_.qdd, ws_, Y);
   return Y * column(pi_);
 }
@@ -290,7 +290,7 @@ recursive::MatrixX<T> SweptMechanism<T>::massMatrixRate() {
 template <typename T>
 const recursive::MatrixX<T>& SweptMechanism<T>::potentialGradient() {
   return known_.gradient([&] {
-    MatrixX gradient(n(), 1);
+    Matrix gradient(n(), 1);
     for (int i = 0; i < n(); ++i)
       gradient(i, 0) =
           recursive::potentialEnergy(moving_, movingAt(unit(i)), ws_moving_).derivative;
@@ -302,14 +302,14 @@ template <typename T>
 recursive::MatrixX<T> SweptMechanism<T>::momentumRate() {
   const recursive::Force<Moving> momentum =
       recursive::momentum(moving_, movingAt(state_.qd), movingRates(), ws_moving_);
-  MatrixX rate(6, 1);
+  Matrix rate(6, 1);
   for (int k = 0; k < 6; ++k) rate(k, 0) = momentum.vector()(k).derivative;
   return rate;
 }
 
 template <typename T>
 recursive::MatrixX<T> SweptMechanism<T>::derivatives(const std::vector<Moving>& v) {
-  MatrixX out(v.size(), 1);
+  Matrix out(v.size(), 1);
   for (std::size_t i = 0; i < v.size(); ++i) out(i, 0) = v[i].derivative;
   return out;
 }
@@ -442,9 +442,9 @@ PassedJoint<T> SweptMechanism<T>::passedJoint(int i, recursive::Workspace<T>& sw
   }
   const recursive::JointAxes<T> M_Z = joint.M * joint.Z;
   joint.U = M_Z + joint.G;
-  joint.d = MatrixX::Identity(joint.axes, joint.axes) * link.rotor;
-  joint.inverse_D = inverseOf(MatrixX(joint.d + MatrixX(joint.Z.transpose() * M_Z)));
-  joint.leak = joint.d - MatrixX(joint.Z.transpose() * joint.G);
+  joint.d = Matrix::Identity(joint.axes, joint.axes) * link.rotor;
+  joint.inverse_D = inverseOf(Matrix(joint.d + Matrix(joint.Z.transpose() * M_Z)));
+  joint.leak = joint.d - Matrix(joint.Z.transpose() * joint.G);
   return joint;
 }
 
@@ -456,9 +456,9 @@ std::vector<Dual<T>> SweptMechanism<T>::movingRates() const {
 }
 
 template <typename T>
-recursive::MatrixX<T> SweptMechanism<T>::inverseOf(MatrixX D) {
+recursive::MatrixX<T> SweptMechanism<T>::inverseOf(Matrix D) {
   recursive::factorize(D);
-  MatrixX columns = MatrixX::Identity(D.rows(), D.cols());
+  Matrix columns = Matrix::Identity(D.rows(), D.cols());
   for (Eigen::Index j = 0; j < D.cols(); ++j) {
     Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> column = columns.col(j);
     recursive::solve(D, column);

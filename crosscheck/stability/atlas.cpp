@@ -95,7 +95,7 @@ Method witnessMethod(const WitnessKind& kind) {
   method.is_ours = isOurs(kind);
   method.is_compiled = kind.is_compiled;
   method.is_derived = kind.is_compiled || kind.info.name == "lagrange";
-  method.value = [kind](const Case& given, Quantity quantity) -> MatrixOf<Ball> {
+  method.value = [kind](const Case& given, Quantity quantity) -> MatrixX<Ball> {
     return witnessOf(kind, given, quantity)->value(quantity, given.state).unaryExpr([](double x) {
       return Ball(x);
     });
@@ -155,7 +155,7 @@ Method roadMethod(const std::string& name, MechanismQuantity asked) {
     }
     throw std::runtime_error("does not hold such mechanisms");
   };
-  method.value = [part](const Case& given, Quantity) -> MatrixOf<Ball> {
+  method.value = [part](const Case& given, Quantity) -> MatrixX<Ball> {
     return part(given).value.unaryExpr([](double x) { return Ball(x); });
   };
   if (method.is_ours)
@@ -180,7 +180,7 @@ std::vector<Method> roadMethods(const Family& family, const std::vector<Method>&
 }
 
 /// Decimal digits of the answer's entry that is farthest off, as a share of the largest entry.
-double digitsOf(const MatrixOf<Ball>& answer, const MatrixOf<Ball>& truth) {
+double digitsOf(const MatrixX<Ball>& answer, const MatrixX<Ball>& truth) {
   if (answer.rows() != truth.rows() || answer.cols() != truth.cols())
     throw std::runtime_error(fmt::format("{} x {} numbers", answer.rows(), answer.cols()));
   const BallPrecision precision(kDistanceBits);
@@ -199,7 +199,7 @@ double digitsOf(const MatrixOf<Ball>& answer, const MatrixOf<Ball>& truth) {
 /// The mechanisms of one severity, and what is right.
 struct Question {
   std::vector<Case> cases;
-  std::vector<MatrixOf<Ball>> truths;
+  std::vector<MatrixX<Ball>> truths;
 };
 
 /// In a copy of this process: what engines say as they die, and what they die of, is told by us.
@@ -448,7 +448,7 @@ Course courseOf(const Family& family, const Measure& method,
 
 }  // namespace
 
-MatrixOf<Ball> truthOf(const Family& family, const Case& given) {
+MatrixX<Ball> truthOf(const Family& family, const Case& given) {
   if (family.whole) {
     const MechanismAnswer answer =
         certifiedMechanism(PreparedScene(given.scene))->answer(closedAt(given));

@@ -24,7 +24,7 @@ struct Method {
   bool is_compiled = false;
   bool is_derived = false;  ///< leaves large families out
   /// The answer, exactly as it is. @throws what the method throws
-  std::function<MatrixOf<Ball>(const Case&, Quantity)> value;
+  std::function<MatrixX<Ball>(const Case&, Quantity)> value;
   /// Whether what the method knows of its own error says that fewer than kFewestDigits digits are
   /// certain. Empty: it knows nothing.
   std::function<bool(const Case&, Quantity)> warns = {};
@@ -92,7 +92,7 @@ struct Settings {
 
 /// What is right of what a family asks. Not of one that has measures.
 /// @throws std::runtime_error  nothing can be certified
-MatrixOf<Ball> truthOf(const Family& family, const Case& given);
+MatrixX<Ball> truthOf(const Family& family, const Case& given);
 
 /** All methods at all severities of a family, each in a copy of this process; between the last
     severity that it held and the first that it did not, bisection until they are within

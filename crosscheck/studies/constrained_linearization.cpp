@@ -39,14 +39,14 @@ struct Freedom {
 
 /// The constrained mechanism's answer along a direction.
 struct Change {
-  VectorOf<Ball> qdd, closure_rate, closure;  ///< of qdd, of J qd; J dq
+  VectorX<Ball> qdd, closure_rate, closure;  ///< of qdd, of J qd; J dq
 };
 
 struct Derivatives {
   Balls by_position, by_rate, by_force;  ///< of qdd
   Balls rate_by_position, J;             ///< d(J qd)/dq; J of the closures' rows
   Balls J_held;                          ///< of the acceleration constraints
-  VectorOf<Ball> qdd, tau;               ///< at the state itself; tau with what drives take
+  VectorX<Ball> qdd, tau;                ///< at the state itself; tau with what drives take
 };
 
 Balls zeros(std::size_t rows, std::size_t columns) {
@@ -159,7 +159,7 @@ Change ConstrainedLinearization::Parts::change(const Equations& equations,
   keepRows(kept, e);
   const DenseSolution<Moving> x = solveDense(e, driven, state_moved.tau, state_moved.qdd);
   const auto m = static_cast<Eigen::Index>(rows.size());
-  Change out{VectorOf<Ball>(n()), VectorOf<Ball>(m), VectorOf<Ball>(m)};
+  Change out{VectorX<Ball>(n()), VectorX<Ball>(m), VectorX<Ball>(m)};
   for (int i = 0; i < n(); ++i) out.qdd(i) = x.qdd(i).derivative;
   for (Eigen::Index k = 0; k < m; ++k) {
     out.closure_rate(k) = out.closure(k) = Ball(0);
@@ -172,7 +172,7 @@ Change ConstrainedLinearization::Parts::change(const Equations& equations,
   if (value == nullptr) return out;
   value->J = Balls(m, n());
   value->J_held = Balls(held, n());
-  value->qdd = value->tau = VectorOf<Ball>(n());
+  value->qdd = value->tau = VectorX<Ball>(n());
   for (int i = 0; i < n(); ++i) {
     value->qdd(i) = x.qdd(i).value;
     value->tau(i) = x.tau(i).value;
@@ -424,8 +424,8 @@ CheckResult ConstrainedLinearization::compared() {
                              d.by_force * column_of(along.tau),
                          d.rate_by_position * column_of(along.q) + d.J * column_of(along.qd),
                          d.J * column_of(along.q)};
-  const VectorOf<Ball>* const lagrange[] = {&by_lagrange.qdd, &by_lagrange.closure_rate,
-                                            &by_lagrange.closure};
+  const VectorX<Ball>* const lagrange[] = {&by_lagrange.qdd, &by_lagrange.closure_rate,
+                                           &by_lagrange.closure};
   TwoSides<RunningError> sides;
   const auto m = static_cast<Eigen::Index>(p.freedom.rows.size());
   sides.left.resize(p.n() + 2 * m, 1);

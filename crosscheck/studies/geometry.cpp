@@ -25,7 +25,7 @@ using Error = RunningError;
 /// Two kinds of Christoffel symbols with their bounds take 32 n^3 bytes: 0.5 GB.
 constexpr int kMostMetricJoints = 256;
 
-Bounded split(const MatrixOf<Error>& m) {
+Bounded split(const MatrixX<Error>& m) {
   return {m.unaryExpr([](const Error& e) { return e.value(); }),
           m.unaryExpr([](const Error& e) { return e.bound(); })};
 }
@@ -36,10 +36,10 @@ struct Frame {
       : metric(std::move(of)), rates(surface.rates), is_closed(!surface.rows.empty()) {
     const auto n = static_cast<Eigen::Index>(metric.n()),
                f = static_cast<Eigen::Index>(rates.size());
-    along = MatrixOf<Error>::Constant(n, f, Error(0));
+    along = MatrixX<Error>::Constant(n, f, Error(0));
     for (Eigen::Index a = 0; a < f; ++a) along(rates[static_cast<std::size_t>(a)], a) = Error(1);
     if (!is_closed) return;
-    const MatrixOf<Error> D = metric.J()(Eigen::all, surface.dependent);
+    const MatrixX<Error> D = metric.J()(Eigen::all, surface.dependent);
     along(surface.dependent, Eigen::all) = -solved<Error>(D, metric.J()(Eigen::all, surface.rates));
     for (Eigen::Index b = 0; b < f; ++b)
       for (Eigen::Index c = 0; c < f; ++c) {
@@ -51,7 +51,7 @@ struct Frame {
                           (metric.M() * turned + metric.christoffel(along.col(b), along.col(c))));
       }
   }
-  MatrixOf<Error> massMatrix() const {
+  MatrixX<Error> massMatrix() const {
     if (!is_closed) return metric.M();
     return along.transpose() * (metric.M() * along);
   }
@@ -64,7 +64,7 @@ struct Frame {
   KineticMetric<Error> metric;
   std::vector<int> rates;
   bool is_closed;
-  MatrixOf<Error> along;  ///< E_a, n x f
+  MatrixX<Error> along;  ///< E_a, n x f
   std::vector<recursive::VectorX<Error>>
       derived;  ///< of closed mechanisms <E_a, D_b E_c>, by b and c
 };
@@ -117,18 +117,18 @@ MetricAt metricAt(const scene::Scene& scene, const std::vector<double>& q) {
                            out.surface.rows),
       out.surface};
   out.commutes = frame.metric.frame().commutes();
-  const MatrixOf<Error> M = frame.massMatrix();
-  MatrixOf<Error> LDL = M;
+  const MatrixX<Error> M = frame.massMatrix();
+  MatrixX<Error> LDL = M;
   recursive::factorize(LDL);
   out.M = split(M);
   for (int a = 0; a < f; ++a) {
-    MatrixOf<Error> first(f, f);
+    MatrixX<Error> first(f, f);
     for (int b = 0; b < f; ++b)
       for (int c = 0; c < f; ++c) first(b, c) = frame.first(a, b, c);
     out.first.push_back(split(first));
   }
   work.doneTo(0.05);
-  std::vector<MatrixOf<Error>> raised(f, MatrixOf<Error>(f, f));
+  std::vector<MatrixX<Error>> raised(f, MatrixX<Error>(f, f));
   std::optional<scene::Work> part(std::in_place, "Christoffel symbols of the second kind", f, 18);
   for (int b = 0; b < f; ++b, part->done())
     for (int c = 0; c < f; ++c) {
@@ -138,7 +138,7 @@ MetricAt metricAt(const scene::Scene& scene, const std::vector<double>& q) {
       for (int a = 0; a < f; ++a) raised[a](b, c) = column(a);
     }
   for (const auto& matrix : raised) out.second.push_back(split(matrix));
-  MatrixOf<Error> curvature = MatrixOf<Error>::Constant(f, f, Error(0));
+  MatrixX<Error> curvature = MatrixX<Error>::Constant(f, f, Error(0));
   part.reset();
   part.emplace("curvature", f * (f - 1) / 2, 20);
   for (int a = 0; a < f; ++a)

@@ -112,7 +112,7 @@ class MetricAsked {
       return out;
     });
   }
-  static MatrixOf<T> one(const T& value) { return MatrixOf<T>(scalar(value)); }
+  static MatrixX<T> one(const T& value) { return MatrixX<T>(scalar(value)); }
 
   const scene::State<T>& state;
   Setup<T> sweeps;
@@ -153,7 +153,7 @@ struct ChristoffelSymbolsGiveC : TreeLaw {
   template <typename T>
   static TwoSides<T> sides(MetricAsked<T>& at) {
     const int n = at.metric.n();
-    MatrixOf<T> C(n, n);
+    MatrixX<T> C(n, n);
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < n; ++k) {
         C(i, k) = T(0);
@@ -185,13 +185,13 @@ struct CurvatureFromOutside : Law {
   static TwoSides<T> sides(MetricAsked<T>& at) {
     using Vector = recursive::VectorX<T>;
     const std::vector<scene::JointPosition<T>>& x = at.state.x;
-    const MatrixOf<T> metric = at.points.massMatrix(x);
-    MatrixOf<T> M = metric;
+    const MatrixX<T> metric = at.points.massMatrix(x);
+    MatrixX<T> M = metric;
     recursive::factorize(M);
     const PhiDerivatives<T> phi(at);
     const int m = at.closures.rows();
-    const MatrixOf<T> by_force = byClosureForces(M, phi.J);
-    MatrixOf<T> N = phi.J * by_force;
+    const MatrixX<T> by_force = byClosureForces(M, phi.J);
+    MatrixX<T> N = phi.J * by_force;
     recursive::factorize(N);
     struct Bend {
       std::vector<Matrix4<T>> second;  ///< d2x/dq_i dq_j u_i v_j
@@ -261,7 +261,7 @@ struct CurvatureFromOutside : Law {
     MetricAsked<T>& at;
     recursive::Model<D> once;
     recursive::Model<DD> twice;
-    MatrixOf<T> J;
+    MatrixX<T> J;
   };
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 using Error = RunningError;
 
-Bounded split(const MatrixOf<Error>& m) {
+Bounded split(const MatrixX<Error>& m) {
   return {m.unaryExpr([](const Error& e) { return e.value(); }),
           m.unaryExpr([](const Error& e) { return e.bound(); })};
 }
@@ -60,16 +60,16 @@ ImpedanceAt impedanceAt(const scene::Scene& scene, const ImpedanceOptions& optio
   z.wrench << Error(1), Error(2), Error(3), Error(4), Error(5), Error(6);  // any
 
   ImpedanceModel<Error> model(mechanism, RunningErrorNumbers(mechanism));
-  const MatrixOf<Error> J = pointJacobian(model.model, at.x, z.point);
+  const MatrixX<Error> J = pointJacobian(model.model, at.x, z.point);
   ImpedanceAt out;
   out.J = split(J);
   out.stiffness = split(J.transpose() * z.K * J);
   out.damping = split(J.transpose() * z.D * J);
-  MatrixOf<Error> C = MatrixOf<Error>::Constant(n, n, Error(0));
+  MatrixX<Error> C = MatrixX<Error>::Constant(n, n, Error(0));
   for (std::size_t i = 0; i < n; ++i) C(i, i) = z.joint_compliance[i];
   out.compliance = split(J * C * J.transpose());
   out.mobility = split(model.mobility(at, J));
-  const MatrixOf<Error> J_linear = J.topRows(3);
+  const MatrixX<Error> J_linear = J.topRows(3);
   out.inertia = split(ImpedanceModel<Error>::inverse(model.mobility(at, J_linear)));
   const recursive::Vector3<Error> f = z.K.topLeftCorner<3, 3>() * z.stretch;
   try {

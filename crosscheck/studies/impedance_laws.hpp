@@ -23,7 +23,7 @@ class ImpedanceAsked {
   int n() const { return model.model.dof(); }
   Matrix linearJ() const { return J.topRows(3); }
   recursive::Matrix3<T> linearK() const { return z.K.template topLeftCorner<3, 3>(); }
-  static MatrixOf<T> one(const T& value) { return MatrixOf<T>(scalar(value)); }
+  static MatrixX<T> one(const T& value) { return MatrixX<T>(scalar(value)); }
 
   ImpedanceModel<T>& model;
   const scene::State<T>& state;

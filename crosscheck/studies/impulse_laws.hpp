@@ -20,7 +20,7 @@ class Blow {
   const Struck<T>& struck() {
     return struck_([&] { return model.strike(state, impulse); });
   }
-  static MatrixOf<T> one(const T& value) { return MatrixOf<T>(scalar(value)); }
+  static MatrixX<T> one(const T& value) { return MatrixX<T>(scalar(value)); }
 
   ImpulseModel<T>& model;
   const scene::State<T>& state;
@@ -81,7 +81,7 @@ struct ImpulsesThroughJoints : LawOfTrees {
   static TwoSides<T> sides(Blow<T>& at) {
     const Struck<T>& s = at.struck();
     const recursive::Model<T>& model = at.model.model;
-    TwoSides<T> sides = {MatrixOf<T>(model.dof(), 1), MatrixOf<T>(model.dof(), 1)};
+    TwoSides<T> sides = {MatrixX<T>(model.dof(), 1), MatrixX<T>(model.dof(), 1)};
     for (std::size_t i = 0; i < model.links.size(); ++i) {
       const auto& link = model.links[i];
       for (int k = 0; k < recursive::AnyJoints::axes(link); ++k) {
@@ -122,9 +122,9 @@ struct ClosuresAfterAnImpulse : Law {
   template <typename T>
   static TwoSides<T> sides(Blow<T>& at) {
     const recursive::VectorX<T> after = at.struck().after;
-    const MatrixOf<T> left = at.model.atClosures(after);
+    const MatrixX<T> left = at.model.atClosures(after);
     if (left.size() == 0) return {{}, {}, "no closure restrains a velocity here", true};
-    return {left, MatrixOf<T>::Constant(left.rows(), 1, T(0))};
+    return {left, MatrixX<T>::Constant(left.rows(), 1, T(0))};
   }
 };
 

@@ -17,7 +17,7 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 /// Balls are narrow enough when they are this far below an ulp.
 constexpr double kNarrow = 0x1p-20;
 
-double widest(const MatrixOf<Ball>& value) {
+double widest(const MatrixX<Ball>& value) {
   double radius = 0;
   for (const Ball& x : value.reshaped())
     radius = std::max(radius, x.isFinite() ? x.radius() : std::numeric_limits<double>::infinity());
@@ -62,7 +62,7 @@ Residual BackwardError::operator()(const Eigen::MatrixXd& qdd) {
   Residual out;
   if (qdd.rows() != tau.rows() || qdd.cols() != 1 || !qdd.allFinite()) {
     const Ball nothing(std::numeric_limits<double>::quiet_NaN());
-    out.value = MatrixOf<Ball>::Constant(tau.rows(), 1, nothing);
+    out.value = MatrixX<Ball>::Constant(tau.rows(), 1, nothing);
     out.size = 1;
     return out;
   }

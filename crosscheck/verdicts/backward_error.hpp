@@ -24,7 +24,7 @@ namespace dynwitness::crosscheck {
     is counted in ulp is  eps max_i (|tau_i| + |c + g + ...|_i + sum_j |M_ij| |qdd_j|),  eps =
     2^-52. */
 struct Residual {
-  MatrixOf<Ball> value;
+  MatrixX<Ball> value;
   double size = 0;  ///< max_i (...), what ulp are counted of [N m, N]
 };
 

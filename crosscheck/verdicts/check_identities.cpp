@@ -23,10 +23,10 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-Eigen::MatrixXd values(const MatrixOf<RunningError>& m) {
+Eigen::MatrixXd values(const MatrixX<RunningError>& m) {
   return m.unaryExpr([](const RunningError& x) { return x.value(); });
 }
-Eigen::MatrixXd bounds(const MatrixOf<RunningError>& m) {
+Eigen::MatrixXd bounds(const MatrixX<RunningError>& m) {
   return m.unaryExpr([](const RunningError& x) { return x.bound(); });
 }
 
@@ -54,7 +54,7 @@ class PositiveDefinite {
   void add(int state, const scene::State<double>& at,
            const std::vector<scene::JointPosition<RunningError>>& x,
            const IsSingular& is_singular) {
-    MatrixOf<RunningError> M(model_.dof(), model_.dof());
+    MatrixX<RunningError> M(model_.dof(), model_.dof());
     recursive::massMatrix(model_, x, ws_, M);
     recursive::factorize(M);
     ++result_.states;
@@ -137,10 +137,10 @@ void askInBalls(const scene::Scene& scene, const Options& options, std::vector<C
         continue;
       }
       double largest = 0;
-      for (const MatrixOf<Ball>* side : {&law.left, &law.right})
+      for (const MatrixX<Ball>* side : {&law.left, &law.right})
         for (const Ball& x : side->reshaped()) largest = std::max(largest, x.atMost());
       // a difference contains 0 when its midpoint is within its radius
-      const MatrixOf<Ball> difference = law.left - law.right;
+      const MatrixX<Ball> difference = law.left - law.right;
       tallies[i].addDifference(k, difference.unaryExpr([](const Ball& x) { return x.mid(); }),
                                difference.unaryExpr([](const Ball& x) { return x.radius(); }),
                                largest);

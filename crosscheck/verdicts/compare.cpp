@@ -19,7 +19,7 @@ void compareResiduals(int index, const Testimony& x, const Testimony& y, const s
                       Tally& tally) {
   if (!excuse.empty())
     return tally.fail(index, excuse, excuse);  // M is singular: nothing is the same
-  const MatrixOf<Ball> difference = x.residual->value - y.residual->value;
+  const MatrixX<Ball> difference = x.residual->value - y.residual->value;
   // what is proven of it; of an answer that is no number, nothing is
   const Eigen::MatrixXd at_least = difference.unaryExpr([](const Ball& ball) {
     return ball.isFinite() ? ball.atLeast() : std::numeric_limits<double>::infinity();

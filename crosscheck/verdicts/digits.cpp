@@ -22,7 +22,7 @@ namespace {
 constexpr long kDistanceBits = 256;
 
 template <typename Matrix>
-MatrixOf<Ball> exactly(const Matrix& answer) {
+MatrixX<Ball> exactly(const Matrix& answer) {
   return answer.unaryExpr([](const auto& x) { return Ball(x); });
 }
 
@@ -46,7 +46,7 @@ class DigitsTally {
               const std::vector<std::string>& joint_names, int max_digits, std::uint64_t seed);
 
   /// An answer, exactly as it is, against the truth; `bounds` are its bounds, if it has any.
-  void add(int state, const MatrixOf<Ball>& answer, const Certified& truth, const Answer* bounds);
+  void add(int state, const MatrixX<Ball>& answer, const Certified& truth, const Answer* bounds);
   /// An answer qdd by what it leaves of the equations; its digits are counted by add().
   void judge(int state, const Testimony& said);
   /// The witness could not answer at this state; there is no answer when `is_excused`.
@@ -156,7 +156,7 @@ std::string DigitsTally::joint(Eigen::Index row, Eigen::Index column) const {
   return "";
 }
 
-void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& truth,
+void DigitsTally::add(int state, const MatrixX<Ball>& answer, const Certified& truth,
                       const Answer* bounds) {
   if (!truth.exists())
     return fail(state, "no certified truth: " + truth.reason, truth.is_impossible);

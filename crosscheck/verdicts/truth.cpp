@@ -17,13 +17,13 @@ namespace {
 /// The smallest double with all its digits: no computation in double resolves what lies below.
 constexpr double kSmallestDouble = std::numeric_limits<double>::min();
 
-MatrixOf<Ball> evaluate(Setup<Ball>& setup, Quantity quantity, const scene::State<Ball>& state) {
+MatrixX<Ball> evaluate(Setup<Ball>& setup, Quantity quantity, const scene::State<Ball>& state) {
   if (quantity == Quantity::kM) return CompositeBody::answer(setup, quantity, state);
   if (quantity == Quantity::kQdd) return ArticulatedBody::answer(setup, quantity, state);
   return NewtonEuler::answer(setup, quantity, state);
 }
 
-bool isFinite(const MatrixOf<Ball>& value) {
+bool isFinite(const MatrixX<Ball>& value) {
   for (Eigen::Index k = 0; k < value.size(); ++k)
     if (!value.data()[k].isFinite()) return false;
   return true;
@@ -37,7 +37,7 @@ struct Attempt {
 };
 
 /// Which entries are known well enough.
-Attempt judged(Quantity quantity, MatrixOf<Ball> value, long accuracy) {
+Attempt judged(Quantity quantity, MatrixX<Ball> value, long accuracy) {
   Attempt out;
   Certified& result = out.result;
   double largest = 0;
@@ -83,7 +83,7 @@ struct Truth::Impl {
 
   Attempt attempt(Quantity quantity, const scene::State<double>& state, long bits) {
     const BallPrecision precision(bits);
-    MatrixOf<Ball> value = evaluate(setup(), quantity, ballState(state, mechanism));
+    MatrixX<Ball> value = evaluate(setup(), quantity, ballState(state, mechanism));
     Attempt out =
         isFinite(value) ? judged(quantity, std::move(value), accuracy) : unbounded(quantity);
     out.result.bits = bits;

@@ -15,7 +15,7 @@ namespace dynwitness::crosscheck {
 
 /// An enclosure of a quantity at a state, and how it was reached.
 struct Certified {
-  MatrixOf<Ball> value;   ///< shaped like the quantity; empty when there is none
+  MatrixX<Ball> value;    ///< shaped like the quantity; empty when there is none
   long bits = 0;          ///< precision of the last attempt
   int sharp_entries = 0;  ///< that are known to the accuracy asked, exact zeros included
   std::string reason;     ///< why there is no enclosure, or which entry is not sharp

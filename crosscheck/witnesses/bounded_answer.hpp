@@ -7,21 +7,21 @@
 #include "crosscheck/scalars/exact_state.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "scene/matrix.hpp"
 #include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {
 
-template <typename T>
-using MatrixOf = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+using scene::MatrixX;
 
 template <typename T>
-MatrixOf<T> column(const std::vector<T>& v) {
+MatrixX<T> column(const std::vector<T>& v) {
   return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
 }
 
 template <typename T>
-MatrixOf<T> scalar(const T& x) {
-  return MatrixOf<T>::Constant(1, 1, x);
+MatrixX<T> scalar(const T& x) {
+  return MatrixX<T>::Constant(1, 1, x);
 }
 
 /// runningErrorState() of a mechanism where joints may follow others: their positions are rounded
@@ -37,7 +37,7 @@ inline scene::State<RunningError> runningErrorState(const scene::State<double>& 
   return out;
 }
 
-inline Answer boundedAnswer(const Eigen::MatrixXd& value, const MatrixOf<RunningError>& bounded) {
+inline Answer boundedAnswer(const Eigen::MatrixXd& value, const MatrixX<RunningError>& bounded) {
   return {value, bounded.unaryExpr([](const RunningError& x) { return x.bound(); })};
 }
 

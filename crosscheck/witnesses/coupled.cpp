@@ -70,7 +70,7 @@ class Summed : public OverTree {
   Eigen::MatrixXd bound(Quantity quantity, const scene::State<double>& state, bool with_loss,
                         bool* lossy) {
     const scene::State<RunningError> uncertain = runningErrorState(state, mechanism_);
-    const MatrixOf<RunningError> out = with_bounds_(
+    const MatrixX<RunningError> out = with_bounds_(
         quantity, uncertain, [&](Quantity asked, const scene::State<RunningError>& tree) {
           scene::State<double> rounded;  // what the witness was asked
           rounded.x = in_double_.onTree(state).x;
@@ -78,8 +78,8 @@ class Summed : public OverTree {
           for (const RunningError& x : tree.qdd) rounded.qdd.push_back(x.value());
           for (const RunningError& x : tree.tau) rounded.tau.push_back(x.value());
           const Answer said = of_tree_->answer(asked, rounded);
-          const MatrixOf<RunningError> ours = NewtonEuler::answer(tree_, asked, tree);
-          MatrixOf<RunningError> enclosed(said.value.rows(), said.value.cols());
+          const MatrixX<RunningError> ours = NewtonEuler::answer(tree_, asked, tree);
+          MatrixX<RunningError> enclosed(said.value.rows(), said.value.cols());
           for (Eigen::Index j = 0; j < enclosed.cols(); ++j)
             for (Eigen::Index i = 0; i < enclosed.rows(); ++i) {
               double error = said.bound(i, j);

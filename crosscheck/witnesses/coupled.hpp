@@ -59,7 +59,7 @@ class Coupling {
 
   /// @param ask  ask(quantity, state of the tree): the tree's answer; of M and tau for qdd
   template <typename Ask>
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state, Ask&& ask) const {
+  MatrixX<T> operator()(Quantity quantity, const scene::State<T>& state, Ask&& ask) const {
     scene::State<T> tree = onTree(state);
     if (quantity == Quantity::kM) return reducedMatrix(ask(quantity, tree));
     if (quantity == Quantity::kc || quantity == Quantity::kg || quantity == Quantity::kTau)
@@ -68,8 +68,8 @@ class Coupling {
       return ask(quantity, tree).topRows(6 * (static_cast<Eigen::Index>(links_) - 1));
     if (quantity != Quantity::kQdd) return ask(quantity, tree);
     tree.qdd.assign(rates_.size(), T(0));
-    const MatrixOf<T> bias = reduced(ask(Quantity::kTau, tree));
-    MatrixOf<T> M = reducedMatrix(ask(Quantity::kM, tree)), qdd(dof_, 1);
+    const MatrixX<T> bias = reduced(ask(Quantity::kTau, tree));
+    MatrixX<T> M = reducedMatrix(ask(Quantity::kM, tree)), qdd(dof_, 1);
     for (int i = 0; i < dof_; ++i) qdd(i, 0) = state.tau[i] - bias(i, 0);
     recursive::factorize(M);
     Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> b = qdd.col(0);
@@ -95,17 +95,17 @@ class Coupling {
     }
     return all;
   }
-  MatrixOf<T> reduced(const MatrixOf<T>& forces) const {
-    MatrixOf<T> out = MatrixOf<T>::Constant(dof_, forces.cols(), T(0));
+  MatrixX<T> reduced(const MatrixX<T>& forces) const {
+    MatrixX<T> out = MatrixX<T>::Constant(dof_, forces.cols(), T(0));
     for (std::size_t i = 0; i < rates_.size(); ++i)
       for (const Share& share : rates_[i])
         for (Eigen::Index j = 0; j < forces.cols(); ++j)
           out(share.of, j) += times(share, forces(static_cast<Eigen::Index>(i), j));
     return out;
   }
-  MatrixOf<T> reducedMatrix(const MatrixOf<T>& M) const {
-    const MatrixOf<T> rows = reduced(M);
-    const MatrixOf<T> columns = rows.transpose();
+  MatrixX<T> reducedMatrix(const MatrixX<T>& M) const {
+    const MatrixX<T> rows = reduced(M);
+    const MatrixX<T> columns = rows.transpose();
     return reduced(columns).transpose();
   }
 

@@ -26,15 +26,14 @@
 
 namespace dynwitness::crosscheck {
 
-template <typename T>
-using VectorOf = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+using scene::VectorX;
 
 namespace detail {
 
 /// Twelve numbers a frame (symbolic::frameEquations): where they are, and how they move.
 template <typename T>
 struct Frames {
-  MatrixOf<T> place, J, gamma;
+  MatrixX<T> place, J, gamma;
 };
 
 }  // namespace detail
@@ -47,9 +46,9 @@ struct Frames {
     given, and their tau wanted. */
 template <typename T>
 struct DenseEquations {
-  MatrixOf<T> M, J;          ///< n x n, m x n
-  VectorOf<T> bias, b;       ///< n [N m, N]; m [m/s^2, 1/s^2]
-  VectorOf<T> C;             ///< m [1/kg]
+  MatrixX<T> M, J;           ///< n x n, m x n
+  VectorX<T> bias, b;        ///< n [N m, N]; m [m/s^2, 1/s^2]
+  VectorX<T> C;              ///< m [1/kg]
   detail::Frames<T> frames;  ///< by derivation: of acceleration constraints, then of springs' ends
 };
 
@@ -92,8 +91,8 @@ namespace detail {
 
 /// Reads numbers off one after the other.
 template <typename T>
-MatrixOf<T> take(const T*& from, Eigen::Index rows, Eigen::Index columns) {
-  MatrixOf<T> m(rows, columns);
+MatrixX<T> take(const T*& from, Eigen::Index rows, Eigen::Index columns) {
+  MatrixX<T> m(rows, columns);
   for (Eigen::Index i = 0; i < rows; ++i)
     for (Eigen::Index j = 0; j < columns; ++j) m(i, j) = *from++;
   return m;
@@ -105,7 +104,7 @@ MatrixOf<T> take(const T*& from, Eigen::Index rows, Eigen::Index columns) {
 template <typename T>
 struct SpringGeometry {
   SpringGeometry(const Frames<T>& frames, Eigen::Index spring_end)
-      : along(VectorOf<T>::Constant(frames.J.cols(), T(0))) {
+      : along(VectorX<T>::Constant(frames.J.cols(), T(0))) {
     const Eigen::Index a = 12 * spring_end, b = a + 12;
     for (int k = 0; k < 3; ++k) {
       const T d = frames.place(b + k, 0) - frames.place(a + k, 0);
@@ -115,15 +114,15 @@ struct SpringGeometry {
     }
   }
   T l2 = T(0);
-  VectorOf<T> along;
+  VectorX<T> along;
 };
 
 /// What springs between points take off the right side: -tau, for a pull  pull(spring, l2, l l') d.
 template <typename Numbers, typename T, typename Pull>
-VectorOf<T> againstSprings(const Frames<T>& frames, Eigen::Index first,
-                           const scene::Mechanism& mechanism, const Numbers&,
-                           const std::vector<T>& qd, const Pull& pull) {
-  VectorOf<T> out = VectorOf<T>::Constant(static_cast<Eigen::Index>(qd.size()), T(0));
+VectorX<T> againstSprings(const Frames<T>& frames, Eigen::Index first,
+                          const scene::Mechanism& mechanism, const Numbers&,
+                          const std::vector<T>& qd, const Pull& pull) {
+  VectorX<T> out = VectorX<T>::Constant(static_cast<Eigen::Index>(qd.size()), T(0));
   for (const scene::Spring& spring : mechanism.springs) {
     const SpringGeometry<T> at(frames, first);
     first += 2;
@@ -141,7 +140,7 @@ template <typename Numbers, typename T = typename Numbers::Scalar>
 struct SeenByConstraint {
   using V3 = Eigen::Matrix<T, 3, 1>;
   SeenByConstraint(const scene::AccelerationConstraint& held, int i, const Numbers& number,
-                   const MatrixOf<T>& place)
+                   const MatrixX<T>& place)
       : first(12 * i) {
     const auto numbers = [&number](const scene::Vector& v) {
       return V3(number(v[0]), number(v[1]), number(v[2]));
@@ -178,11 +177,11 @@ DenseEquations<T> derivedEquations(const DerivedConstraints& derived,
   const int k = static_cast<int>(held.size());
   DenseEquations<T> out;
   out.M = detail::take(from, n, n);
-  const VectorOf<T> c = detail::take(from, n, 1), g = detail::take(from, n, 1),
-                    Q = detail::take(from, n, 1);
+  const VectorX<T> c = detail::take(from, n, 1), g = detail::take(from, n, 1),
+                   Q = detail::take(from, n, 1);
   out.bias = c + g - Q;
-  out.J = MatrixOf<T>::Constant(m + k, n, T(0));
-  out.b = out.C = VectorOf<T>::Constant(m + k, T(0));
+  out.J = MatrixX<T>::Constant(m + k, n, T(0));
+  out.b = out.C = VectorX<T>::Constant(m + k, T(0));
   detail::take(from, m, 1);  // phi
   out.J.topRows(m) = detail::take(from, m, n);
   out.b.head(m) = detail::take(from, m, 1) * T(-1);
@@ -213,14 +212,14 @@ DenseEquations<T> derivedEquations(const DerivedConstraints& derived,
     @param forces  of all equations: rows of closures, then of acceleration constraints
     @param pull    of springs: pullByLength(), or what stands for it */
 template <typename Numbers, typename Pull, typename T = typename Numbers::Scalar>
-VectorOf<T> derivedReactions(const DerivedReactions& derived, const DenseEquations<T>& e,
-                             const scene::Mechanism& mechanism, const Numbers& number,
-                             const scene::State<T>& state, const VectorOf<T>& forces,
-                             const Pull& pull) {
+VectorX<T> derivedReactions(const DerivedReactions& derived, const DenseEquations<T>& e,
+                            const scene::Mechanism& mechanism, const Numbers& number,
+                            const scene::State<T>& state, const VectorX<T>& forces,
+                            const Pull& pull) {
   const std::vector<T> values = symbolic::ProgramRun<T>(derived.program, number)(state);
   const T* from = values.data();
-  VectorOf<T> out = detail::take(from, derived.count, 1);
-  const MatrixOf<T> by_closure = detail::take(from, derived.closure_rows, derived.count);
+  VectorX<T> out = detail::take(from, derived.count, 1);
+  const MatrixX<T> by_closure = detail::take(from, derived.closure_rows, derived.count);
   const detail::Frames<T> cuts{
       e.frames.place, detail::take(from, 12 * derived.frames, derived.count), {}};
   const auto& held = mechanism.acceleration_constraints;
@@ -263,8 +262,8 @@ DenseEquations<T> sweptEquations(const scene::Mechanism& mechanism, const Number
   const int k = static_cast<int>(held.size());
   recursive::MatrixX<T> J_held(k, n);
   if (k > 0) recursive::taskJacobian(model, held, ws, J_held);
-  out.J = MatrixOf<T>::Constant(m + k, n, T(0));
-  out.b = out.C = VectorOf<T>::Constant(m + k, T(0));
+  out.J = MatrixX<T>::Constant(m + k, n, T(0));
+  out.b = out.C = VectorX<T>::Constant(m + k, T(0));
   out.J.topRows(m) = closures.J;
   out.J.bottomRows(k) = J_held;
   out.b.head(m) = closures.gamma * T(-1);
@@ -277,7 +276,7 @@ DenseEquations<T> sweptEquations(const scene::Mechanism& mechanism, const Number
   }
   recursive::inverseDynamics(model, state.x, state.qd, zero, ws, bias);
   out.bias = column(bias) - column(pull);
-  out.M = MatrixOf<T>(n, n);
+  out.M = MatrixX<T>(n, n);
   recursive::massMatrix(model, state.x, ws, out.M);
   return out;
 }
@@ -287,9 +286,9 @@ DenseEquations<T> sweptEquations(const scene::Mechanism& mechanism, const Number
     @param qdd     of the whole mechanism
     @param forces  of all equations: rows of closures, then of acceleration constraints */
 template <typename Numbers, typename T = typename Numbers::Scalar>
-VectorOf<T> cutForces(const symbolic::Freed& cut, const Numbers& number,
-                      const scene::State<T>& state, const VectorOf<T>& qdd,
-                      const VectorOf<T>& forces) {
+VectorX<T> cutForces(const symbolic::Freed& cut, const Numbers& number,
+                     const scene::State<T>& state, const VectorX<T>& qdd,
+                     const VectorX<T>& forces) {
   const scene::Mechanism& mechanism = cut.mechanism;
   const auto model = recursive::buildModel(mechanism, number);
   recursive::Workspace<T> ws(model);
@@ -313,9 +312,9 @@ VectorOf<T> cutForces(const symbolic::Freed& cut, const Numbers& number,
   recursive::MatrixX<T> J_held(static_cast<Eigen::Index>(held.size()), n);
   if (!held.empty()) recursive::taskJacobian(model, held, ws, J_held);
   recursive::inverseDynamics(model, let_go.x, let_go.qd, let_go.qdd, ws, all);
-  const VectorOf<T> left = column(all) - column(pull) - closures.J.transpose() * forces.head(m) -
-                           J_held.transpose() * forces.tail(J_held.rows());
-  VectorOf<T> out(std::count(cut.rate.begin(), cut.rate.end(), -1));
+  const VectorX<T> left = column(all) - column(pull) - closures.J.transpose() * forces.head(m) -
+                          J_held.transpose() * forces.tail(J_held.rows());
+  VectorX<T> out(std::count(cut.rate.begin(), cut.rate.end(), -1));
   Eigen::Index at = 0;
   for (int i = 0; i < n; ++i)
     if (cut.rate[static_cast<std::size_t>(i)] < 0) out(at++) = left(i);
@@ -326,7 +325,7 @@ VectorOf<T> cutForces(const symbolic::Freed& cut, const Numbers& number,
 
 template <typename T>
 struct DenseSolution {
-  VectorOf<T> qdd, nu, tau;  ///< n, m, n
+  VectorX<T> qdd, nu, tau;  ///< n, m, n
 };
 
 /// Only these rows are asked.
@@ -370,7 +369,7 @@ DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>&
                             const std::vector<T>& tau, const std::vector<T>& qdd) {
   const int n = static_cast<int>(e.M.rows()), m = static_cast<int>(e.J.rows());
   std::vector<int> free;
-  DenseSolution<T> out{VectorOf<T>::Constant(n, T(0)), VectorOf<T>(m), VectorOf<T>(n)};
+  DenseSolution<T> out{VectorX<T>::Constant(n, T(0)), VectorX<T>(m), VectorX<T>(n)};
   for (int i = 0; i < n; ++i) {
     if (driven[i])
       out.qdd(i) = qdd[i];
@@ -378,9 +377,9 @@ DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>&
       free.push_back(i);
   }
   const int f = static_cast<int>(free.size());
-  const VectorOf<T> inertial = e.M * out.qdd + e.bias, given = e.J * out.qdd;
-  MatrixOf<T> K = MatrixOf<T>::Constant(f + m, f + m, T(0));
-  VectorOf<T> x(f + m);
+  const VectorX<T> inertial = e.M * out.qdd + e.bias, given = e.J * out.qdd;
+  MatrixX<T> K = MatrixX<T>::Constant(f + m, f + m, T(0));
+  VectorX<T> x(f + m);
   for (int i = 0; i < f; ++i) {
     for (int j = 0; j < f; ++j) K(i, j) = e.M(free[i], free[j]);
     for (int k = 0; k < m; ++k) K(f + k, i) = K(i, f + k) = e.J(k, free[i]);
@@ -390,13 +389,13 @@ DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>&
     K(f + k, f + k) = -e.C(k);
     x(f + k) = e.b(k) - given(k);
   }
-  const MatrixOf<T> before = K;
+  const MatrixX<T> before = K;
   recursive::factorize(K);
   if constexpr (std::is_same_v<T, double>) requirePivots(before, K, f);
   recursive::solve(K, x);
   for (int i = 0; i < f; ++i) out.qdd(free[i]) = x(i);
   for (int k = 0; k < m; ++k) out.nu(k) = -x(f + k);
-  const VectorOf<T> all = e.M * out.qdd + e.bias - e.J.transpose() * out.nu;
+  const VectorX<T> all = e.M * out.qdd + e.bias - e.J.transpose() * out.nu;
   for (int i = 0; i < n; ++i) out.tau(i) = driven[i] ? all(i) : tau[i];
   return out;
 }

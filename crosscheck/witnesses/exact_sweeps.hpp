@@ -19,7 +19,7 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
     change(setup.model, number);
     for (Setup<T>& kept : setup.with_fixed_joints) change(kept.model, number);
     return [setup](Quantity quantity, const scene::State<T>& state) mutable {
-      return MatrixOf<T>(Algorithm::answer(setup, quantity, state));
+      return MatrixX<T>(Algorithm::answer(setup, quantity, state));
     };
   };
   return {Algorithm::kName, Algorithm::answers, on};

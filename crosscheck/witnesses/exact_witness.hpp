@@ -14,7 +14,7 @@ namespace dynwitness::crosscheck {
 /** A witness over the prime field: built with a scene's numbers, then asked at states; in the scope
     of FormulaSizes for the size of its formulas, else for their values. */
 struct ExactWitness {
-  using Answers = std::function<MatrixOf<PrimeField>(Quantity, const scene::State<PrimeField>&)>;
+  using Answers = std::function<MatrixX<PrimeField>(Quantity, const scene::State<PrimeField>&)>;
 
   std::string name;
   std::function<bool(Quantity)> answers;

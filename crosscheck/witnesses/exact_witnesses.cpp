@@ -49,7 +49,7 @@ class KernelAnswers {
     for (const auto& [quantity, program] : programs_->programs)
       runs_.emplace(quantity, symbolic::ProgramRun<T>(program, number));
   }
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+  MatrixX<T> operator()(Quantity quantity, const scene::State<T>& state) {
     if (const auto it = programs_->failures.find(quantity); it != programs_->failures.end())
       throw DivisionByZero(it->second);
     const std::vector<T> out = runs_.at(quantity)(state);
@@ -103,7 +103,7 @@ OrRefusal<ExactWitness> exactKernel(const PreparedScene& scene, Parameters param
     using T = PrimeField;
     return [answers = KernelAnswers(programs, number), coupled = mechanism.hasCoupledRates(),
             coupling = Coupling<T>(mechanism, number)](
-               Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
+               Quantity quantity, const scene::State<T>& state) mutable -> MatrixX<T> {
       return coupled ? coupling(quantity, state, answers) : answers(quantity, state);
     };
   };

@@ -30,7 +30,7 @@ class FastWitness : public Witness {
   bool answers(Quantity quantity) const override { return FastSweeps<double>::answers(quantity); }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     const scene::State<RunningError> bounded_state = runningErrorState(state);
-    const MatrixOf<RunningError> bounded = with_bounds_(quantity, bounded_state);
+    const MatrixX<RunningError> bounded = with_bounds_(quantity, bounded_state);
     Answer out = boundedAnswer(value(quantity, state), bounded);
     if (quantity == Quantity::kM) out.bound = solve_bound_.sharper(bounded, state);
     if (quantity == Quantity::kTau)

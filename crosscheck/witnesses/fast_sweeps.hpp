@@ -31,7 +31,7 @@ class FastSweeps {
   static bool answers(Quantity quantity) {
     return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
   }
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& s);
+  MatrixX<T> operator()(Quantity quantity, const scene::State<T>& s);
 
   recursive::fast::Plan<T> plan;  ///< tests plant their errors here
 
@@ -48,10 +48,10 @@ FastSweeps<T>::FastSweeps(const recursive::Model<T>& model)
     : plan(model), id_(plan), m_(plan), fd_(plan) {}
 
 template <typename T>
-MatrixOf<T> FastSweeps<T>::operator()(Quantity quantity, const scene::State<T>& s) {
+MatrixX<T> FastSweeps<T>::operator()(Quantity quantity, const scene::State<T>& s) {
   namespace fast = recursive::fast;
   const int n = plan.dof;
-  MatrixOf<T> out = MatrixOf<T>::Constant(n, quantity == Quantity::kM ? n : 1, T(0));
+  MatrixX<T> out = MatrixX<T>::Constant(n, quantity == Quantity::kM ? n : 1, T(0));
   if (quantity == Quantity::kM)
     fast::massMatrix(plan, s.x.data(), m_, out.data());
   else if (quantity == Quantity::kTau)

@@ -35,7 +35,7 @@ OrRefusal<ExactWitness> exactFast(const PreparedScene& scene, Parameters) {
     using T = PrimeField;
     return [sweeps = FastSweeps<T>(recursive::buildModel(treeOf(mechanism), number)),
             coupled = mechanism.hasCoupledRates(), coupling = Coupling<T>(mechanism, number)](
-               Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
+               Quantity quantity, const scene::State<T>& state) mutable -> MatrixX<T> {
       return coupled ? coupling(quantity, state, sweeps) : sweeps(quantity, state);
     };
   };

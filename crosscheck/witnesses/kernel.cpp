@@ -80,9 +80,9 @@ class KernelWitness : public PartialWitness {
       using SharpRowMajor =
           Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
       const std::vector<AdjointError> sharp = run(adjointState(bounded_state));
-      return MatrixOf<AdjointError>(Eigen::Map<const SharpRowMajor>(sharp.data(), rows, columns));
+      return MatrixX<AdjointError>(Eigen::Map<const SharpRowMajor>(sharp.data(), rows, columns));
     };
-    const MatrixOf<RunningError> shaped = Eigen::Map<const RowMajor>(bounded.data(), rows, columns);
+    const MatrixX<RunningError> shaped = Eigen::Map<const RowMajor>(bounded.data(), rows, columns);
     Answer out = boundedAnswer(value(quantity, state), shaped);
     if (quantity != Quantity::kQdd) out.bound = sharp_.at(formula)(shaped, sharply);
     if (quantity == Quantity::kQdd && answers(Quantity::kTau))

@@ -54,7 +54,7 @@ class DerivedAnswers {
       if (DerivedPrograms::answers(quantity) && quantity != Quantity::kQdd) started(quantity);
   }
 
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+  MatrixX<T> operator()(Quantity quantity, const scene::State<T>& state) {
     if (quantity == Quantity::kM) return massMatrix(state);
     if (quantity != Quantity::kQdd) return column(run(quantity, state));
     // M qdd = tau - tau at qdd = 0
@@ -63,7 +63,7 @@ class DerivedAnswers {
     const std::vector<T> bias = run(Quantity::kTau, coasting);
     std::vector<T> qdd = state.tau;
     for (std::size_t i = 0; i < qdd.size(); ++i) qdd[i] -= bias[i];
-    MatrixOf<T> M = massMatrix(state);
+    MatrixX<T> M = massMatrix(state);
     recursive::factorize(M);
     recursive::solve(M, qdd);
     return column(qdd);
@@ -78,7 +78,7 @@ class DerivedAnswers {
   std::vector<T> run(Quantity quantity, const scene::State<T>& state) {
     return started(quantity)(state);
   }
-  MatrixOf<T> massMatrix(const scene::State<T>& state) {
+  MatrixX<T> massMatrix(const scene::State<T>& state) {
     const std::vector<T> entries = run(Quantity::kM, state);
     return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         entries.data(), dof_, dof_);

@@ -19,17 +19,17 @@
 namespace dynwitness::crosscheck {
 
 template <typename T>
-using PartsOf = std::array<VectorOf<T>, std::size(kMechanismQuantities)>;
+using PartsOf = std::array<VectorX<T>, std::size(kMechanismQuantities)>;
 
 template <typename T>
-VectorOf<T>& part(PartsOf<T>& parts, MechanismQuantity quantity) {
+VectorX<T>& part(PartsOf<T>& parts, MechanismQuantity quantity) {
   return parts[static_cast<std::size_t>(quantity)];
 }
 
 /// Of the rates that drives give.
 template <typename T>
-VectorOf<T> ofDriven(const std::vector<char>& driven, const VectorOf<T>& all) {
-  VectorOf<T> out(std::count(driven.begin(), driven.end(), 1));
+VectorX<T> ofDriven(const std::vector<char>& driven, const VectorX<T>& all) {
+  VectorX<T> out(std::count(driven.begin(), driven.end(), 1));
   for (std::size_t i = 0, k = 0; i < driven.size(); ++i)
     if (driven[i]) out(static_cast<Eigen::Index>(k++)) = all(static_cast<Eigen::Index>(i));
   return out;
@@ -40,7 +40,7 @@ template <typename T>
 struct Solved {
   Solved(DenseEquations<T> e, const scene::Mechanism& mechanism, const MechanismState& at,
          const scene::State<T>& state)
-      : forces(VectorOf<T>::Constant(e.J.rows(), T(0))) {
+      : forces(VectorX<T>::Constant(e.J.rows(), T(0))) {
     const int k = static_cast<int>(mechanism.acceleration_constraints.size()),
               m = static_cast<int>(e.J.rows()) - k;
     std::vector<int> rows = at.rows;
@@ -58,8 +58,8 @@ struct Solved {
     part(parts, MechanismQuantity::kNu) = x.nu.tail(k);
     part(parts, MechanismQuantity::kDrive) = ofDriven(driven, x.tau);
   }
-  PartsOf<T> parts;         ///< without reactions
-  VectorOf<T> qdd, forces;  ///< n; of all equations, 0 of those that others stand for
+  PartsOf<T> parts;        ///< without reactions
+  VectorX<T> qdd, forces;  ///< n; of all equations, 0 of those that others stand for
 };
 
 /// @throws std::invalid_argument  joints follow others, and these sweeps solve for each where they

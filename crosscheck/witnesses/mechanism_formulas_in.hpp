@@ -21,9 +21,9 @@ namespace dynwitness::crosscheck {
 
 /// Newton and Euler with the wrenches of constraints as outer loads.
 template <typename Numbers, typename T = typename Numbers::Scalar>
-VectorOf<T> reactionsUnder(const scene::Mechanism& mechanism, const Numbers& number,
-                           const scene::State<T>& state, const std::vector<T>& qdd,
-                           const VectorOf<T>& lambda, const VectorOf<T>& nu) {
+VectorX<T> reactionsUnder(const scene::Mechanism& mechanism, const Numbers& number,
+                          const scene::State<T>& state, const std::vector<T>& qdd,
+                          const VectorX<T>& lambda, const VectorX<T>& nu) {
   recursive::MechanismOfJoints<T> of(mechanism, number);
   std::vector<T> out(6 * (mechanism.links.size() - 1), T(0));
   recursive::constrainedReactions(mechanism, number, state.x, state.qd, qdd, lambda, nu, of, out);
@@ -84,8 +84,8 @@ PartsOf<T> DenseSystem::operator()(const scene::Mechanism& mechanism, const Numb
   part(x.parts, MechanismQuantity::kReactions) =
       cut ? cutForces(*cut, number, state, x.qdd, x.forces)
           : reactionsUnder(mechanism, number, state, std::vector<T>(x.qdd.begin(), x.qdd.end()),
-                           VectorOf<T>(x.forces.head(x.forces.size() - k)),
-                           VectorOf<T>(x.forces.tail(k)));
+                           VectorX<T>(x.forces.head(x.forces.size() - k)),
+                           VectorX<T>(x.forces.tail(k)));
   return x.parts;
 }
 
@@ -99,7 +99,7 @@ PartsOf<T> LoopsEliminated::operator()(const scene::Mechanism& mechanism, const 
   requireAll(swept.rank, static_cast<int>(at.rows.size()));
   PartsOf<T> out;
   part(out, MechanismQuantity::kQdd) = column(swept.qdd);
-  const VectorOf<T> force = s.closures.J.transpose() * swept.lambda;
+  const VectorX<T> force = s.closures.J.transpose() * swept.lambda;
   part(out, MechanismQuantity::kConstraintForce) = force;
   if (!at.is_redundant) part(out, MechanismQuantity::kLambda) = swept.lambda;
   std::vector<T> taken(s.model.dof(), T(0));
@@ -107,7 +107,7 @@ PartsOf<T> LoopsEliminated::operator()(const scene::Mechanism& mechanism, const 
   part(out, MechanismQuantity::kDrive) =
       ofDriven<T>(s.driven, column(taken) - column(s.pull) - force);
   part(out, MechanismQuantity::kReactions) =
-      reactionsUnder(mechanism, number, state, swept.qdd, swept.lambda, VectorOf<T>());
+      reactionsUnder(mechanism, number, state, swept.qdd, swept.lambda, VectorX<T>());
   return out;
 }
 
@@ -130,7 +130,7 @@ PartsOf<T> HybridSweep::operator()(const scene::Mechanism& mechanism, const Numb
   part(out, MechanismQuantity::kNu) = cws.nu;
   part(out, MechanismQuantity::kDrive) = ofDriven<T>(s.driven, column(tau) - column(s.pull));
   part(out, MechanismQuantity::kReactions) =
-      reactionsUnder(mechanism, number, state, qdd, VectorOf<T>(), VectorOf<T>(cws.nu));
+      reactionsUnder(mechanism, number, state, qdd, VectorX<T>(), VectorX<T>(cws.nu));
   return out;
 }
 

@@ -120,7 +120,7 @@ class OwnRoad : public MechanismRoad {
         formulas_(mechanism, AdjointErrorNumbers(mechanism), at, adjointState(known));
     Eigen::Index count = 0;
     for (const auto& one : on_tape) count += one.size();
-    MatrixOf<AdjointError> results(count, 1);
+    MatrixX<AdjointError> results(count, 1);
     Eigen::Index from = 0;
     for (const auto& one : on_tape)
       for (Eigen::Index i = 0; i < one.size(); ++i) results(from++, 0) = one(i);
@@ -270,10 +270,10 @@ class CertifiedMechanism : public MechanismRoad {
   }
 
  private:
-  static bool isFinite(const VectorOf<Ball>& part) {
+  static bool isFinite(const VectorX<Ball>& part) {
     return std::all_of(part.begin(), part.end(), [](const Ball& x) { return x.isFinite(); });
   }
-  static bool isSharp(const VectorOf<Ball>& part) {
+  static bool isSharp(const VectorX<Ball>& part) {
     constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
     double largest = 0, radius = 0;
     for (const Ball& x : part) {

@@ -94,14 +94,14 @@ class HomogeneousModel {
   std::vector<T> inverse(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd,
                          const std::vector<T>& qdd, LagrangeTerms terms);
   /// Column j is inverse() at rest for a unit acceleration of joint j alone.
-  MatrixOf<T> massMatrix(const std::vector<scene::JointPosition<T>>& x);
+  MatrixX<T> massMatrix(const std::vector<scene::JointPosition<T>>& x);
   /// sum tr(Wd J Wd') / 2 + sum n^2 J_rotor qd^2 / 2 [J]
   T kinetic(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd);
   /// - sum gravity' (W J e_4) + sum stiffness (q - rest)^2 / 2 [J]
   T potential(const std::vector<scene::JointPosition<T>>& x);
   /// From sum of Wd J W' : m v in its last column, sum m x x v in its skew part. World axes and
   /// origin.
-  MatrixOf<T> momentum(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd);
+  MatrixX<T> momentum(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd);
 
   /** Second derivatives of all bodies' W: how the first along constant rates v changes along
       constant rates u. Where qd are derivatives of q: sum u_i v_j d2W/dq_i dq_j, and u and v may
@@ -517,8 +517,8 @@ std::vector<T> HomogeneousModel<T>::inverse(const std::vector<scene::JointPositi
 }
 
 template <typename T>
-MatrixOf<T> HomogeneousModel<T>::massMatrix(const std::vector<scene::JointPosition<T>>& x) {
-  MatrixOf<T> M(dof_, dof_);
+MatrixX<T> HomogeneousModel<T>::massMatrix(const std::vector<scene::JointPosition<T>>& x) {
+  MatrixX<T> M(dof_, dof_);
   const std::vector<T> rest(dof_, T(0));
   for (int j = 0; j < dof_; ++j) {
     std::vector<T> unit = rest;
@@ -560,14 +560,14 @@ T HomogeneousModel<T>::potential(const std::vector<scene::JointPosition<T>>& x) 
 }
 
 template <typename T>
-MatrixOf<T> HomogeneousModel<T>::momentum(const std::vector<scene::JointPosition<T>>& x,
-                                          const std::vector<T>& qd) {
+MatrixX<T> HomogeneousModel<T>::momentum(const std::vector<scene::JointPosition<T>>& x,
+                                         const std::vector<T>& qd) {
   place(x);
   move(qd);
   Matrix4<T> S = Matrix4<T>::Constant(T(0));
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (!bodies[i].unfelt) S += Wd_[i] * bodies[i].J * W_[i].transpose();
-  MatrixOf<T> out(6, 1);
+  MatrixX<T> out(6, 1);
   out << S(0, 3), S(1, 3), S(2, 3), S(2, 1) - S(1, 2), S(0, 2) - S(2, 0), S(1, 0) - S(0, 1);
   return out;
 }
@@ -618,7 +618,7 @@ struct RecursiveLagrange {
   RecursiveLagrange(const scene::Mechanism& mechanism, const Numbers& number)
       : model(mechanism, number) {}
 
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+  MatrixX<T> operator()(Quantity quantity, const scene::State<T>& state) {
     const std::vector<T> zeros(model.dof(), T(0));
     switch (quantity) {
       case Quantity::kM:
@@ -643,7 +643,7 @@ struct RecursiveLagrange {
     const std::vector<T> bias = model.inverse(state.x, state.qd, zeros, {true, true, true});
     std::vector<T> qdd = state.tau;
     for (std::size_t i = 0; i < qdd.size(); ++i) qdd[i] -= bias[i];
-    MatrixOf<T> M = model.massMatrix(state.x);
+    MatrixX<T> M = model.massMatrix(state.x);
     recursive::factorize(M);
     recursive::solve(M, qdd);
     return column(qdd);

@@ -24,7 +24,7 @@ inline constexpr int kManyResults = 64;
 /// entry, so that a pass goes over n times as much.
 inline constexpr double kWideResidual = 64, kWideResidualOfProgram = 4 * kWideBound;
 
-inline bool isWide(const MatrixOf<RunningError>& bounded) {
+inline bool isWide(const MatrixX<RunningError>& bounded) {
   double size = 0, widest = 0;
   for (const RunningError& x : bounded.reshaped()) {
     size = std::max(size, std::abs(x.value()));
@@ -47,7 +47,7 @@ class SharpBounds {
   /** The bounds of `bounded`, sharper where they are wide.
       @param answer  (Computation&) -> the same answer on AdjointError */
   template <typename Run>
-  Eigen::MatrixXd operator()(const MatrixOf<RunningError>& bounded, const Run& answer) {
+  Eigen::MatrixXd operator()(const MatrixX<RunningError>& bounded, const Run& answer) {
     if (!isWide(bounded)) return boundedAnswer({}, bounded).bound;
     const AdjointTape::Recording recording(tape_);
     return tape_.bounds(answer(restarted()));

@@ -29,7 +29,7 @@ template <typename Algorithm>
 SingleSweep swept(const scene::Mechanism& mechanism) {
   const auto setup = std::make_shared<Setup<SingleError>>(mechanism, SingleErrorNumbers(mechanism));
   return [setup, mechanism](Quantity quantity, const scene::State<double>& state) {
-    const MatrixOf<SingleError> found =
+    const MatrixX<SingleError> found =
         Algorithm::answer(*setup, quantity, inSingle(state, mechanism));
     return Answer{found.unaryExpr([](const SingleError& x) -> double { return x.value(); }),
                   found.unaryExpr([](const SingleError& x) { return x.bound(); })};

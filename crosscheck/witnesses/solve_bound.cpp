@@ -153,7 +153,7 @@ bool SolveBound::isWide(const MatrixXd& residual_bound, double wide) const {
   return residual_bound.maxCoeff() > wide * 2 * kUnitRoundoff * force_;
 }
 
-MatrixXd SolveBound::sharper(const MatrixOf<RunningError>& M, const scene::State<double>& state) {
+MatrixXd SolveBound::sharper(const MatrixX<RunningError>& M, const scene::State<double>& state) {
   const MatrixXd running = boundedAnswer({}, M).bound;
   return crosscheck::isWide(M) ? MatrixXd(running.cwiseMin(massMatrix(state))) : running;
 }

@@ -131,7 +131,7 @@ class SolveBound {
   }
 
   /// The bounds of M: the smaller of its running error bounds and (9).
-  Eigen::MatrixXd sharper(const MatrixOf<RunningError>& M, const scene::State<double>& state);
+  Eigen::MatrixXd sharper(const MatrixX<RunningError>& M, const scene::State<double>& state);
 
   /// (9): how far M by composite bodies may be off, entry by entry; symmetric.
   Eigen::MatrixXd massMatrix(const scene::State<double>& state);

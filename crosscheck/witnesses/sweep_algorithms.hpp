@@ -13,7 +13,6 @@
 
 namespace dynwitness::crosscheck {
 
-using recursive::MatrixX;
 using recursive::Terms;
 
 /// What a sweep witness is built on, for one scalar.

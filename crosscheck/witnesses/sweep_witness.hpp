@@ -72,13 +72,13 @@ class SweepWitness : public Witness {
     return *solve_bound_;
   }
   template <typename Sweep>
-  MatrixOf<RunningError> run(Quantity quantity, const scene::State<double>& state) {
+  MatrixX<RunningError> run(Quantity quantity, const scene::State<double>& state) {
     return Sweep::answer(with_bounds_(quantity), quantity,
                          runningErrorState(state, scene_.mechanism()));
   }
   template <typename Sweep>
   Eigen::MatrixXd bound(Quantity quantity, const scene::State<double>& state) {
-    const MatrixOf<RunningError> bounded = run<Sweep>(quantity, state);
+    const MatrixX<RunningError> bounded = run<Sweep>(quantity, state);
     if (quantity == Quantity::kM) return solveBound().sharper(bounded, state);
     return sharp_(bounded, [&](Setup<AdjointError>& setup) {
       return Sweep::answer(setup, quantity,

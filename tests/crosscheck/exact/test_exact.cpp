@@ -222,13 +222,13 @@ BOOST_DATA_TEST_CASE(it_bounds_the_degree_that_interpolation_measures,
     for (const Quantity quantity : {Quantity::kM, Quantity::kc, Quantity::kg, Quantity::kTau,
                                     Quantity::kKinetic, Quantity::kPotential}) {
       if (!witness.answers(quantity)) continue;
-      const MatrixOf<PrimeField> bound = [&] {
+      const MatrixX<PrimeField> bound = [&] {
         const FormulaSizes sizes;
         const FieldNumbers indeterminates(scene.mechanism, source);
         return witness.in_field(indeterminates)(quantity,
                                                 indeterminateState(scene.mechanism, source));
       }();
-      std::vector<MatrixOf<PrimeField>> at;
+      std::vector<MatrixX<PrimeField>> at;
       for (int u = 0; u < 80; ++u) at.push_back(values(quantity, onCurve(scene.mechanism, u)));
       for (Eigen::Index j = 0; j < bound.cols(); ++j) {
         for (Eigen::Index i = 0; i < bound.rows(); ++i) {
@@ -474,7 +474,7 @@ BOOST_AUTO_TEST_CASE(answers_of_other_shapes_disagree) {
   std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten);
   witnesses[2].in_field = [inner = witnesses[2].in_field](const FieldNumbers& number) {
     return [answer = inner(number)](Quantity quantity, const scene::State<PrimeField>& state) {
-      return MatrixOf<PrimeField>(answer(quantity, state).topRows(1));
+      return MatrixX<PrimeField>(answer(quantity, state).topRows(1));
     };
   };
   const CheckResult check = compareExactly(scene, witnesses, {})[1];

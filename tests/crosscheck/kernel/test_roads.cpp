@@ -64,10 +64,10 @@ class Point {
 
  private:
   template <typename Algorithm>
-  MatrixOf<PrimeField> ask(Quantity quantity) {
+  MatrixX<PrimeField> ask(Quantity quantity) {
     return Algorithm::answer(setup_, quantity, state_);
   }
-  static std::vector<PrimeField> list(const MatrixOf<PrimeField>& m) {  // M is symmetric
+  static std::vector<PrimeField> list(const MatrixX<PrimeField>& m) {  // M is symmetric
     return {m.data(), m.data() + m.size()};
   }
 

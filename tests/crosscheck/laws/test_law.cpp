@@ -21,8 +21,8 @@ struct Number {
   Kept<double> twice;
   int computed = 0;
 };
-MatrixOf<RunningError> one(double x) {
-  return MatrixOf<RunningError>::Constant(1, 1, RunningError(x));
+MatrixX<RunningError> one(double x) {
+  return MatrixX<RunningError>::Constant(1, 1, RunningError(x));
 }
 
 struct Doubling : Law {

@@ -15,7 +15,7 @@ namespace data = boost::unit_test::data;
 
 namespace {
 
-using MatrixXA = MatrixOf<AdjointError>;
+using MatrixXA = MatrixX<AdjointError>;
 
 double boundOf(const AdjointTape& tape, const AdjointError& x) {
   return tape.bounds(MatrixXA::Constant(1, 1, x))(0, 0);
@@ -136,11 +136,11 @@ BOOST_DATA_TEST_CASE(inverse_dynamics_of_a_chain_lies_within_bounds_that_grow_as
     tape.rewind(start);
     const Eigen::MatrixXd bound = tape.bounds(
         NewtonEuler::answer(sharp, Quantity::kTau, adjointState(runningErrorState(state))));
-    const MatrixOf<RunningError> tau =
+    const MatrixX<RunningError> tau =
         NewtonEuler::answer(running, Quantity::kTau, runningErrorState(state));
     const BallPrecision precision(512);
     Setup<Ball> exact(scene.mechanism, BallNumbers(scene.mechanism));
-    const MatrixOf<Ball> truth = NewtonEuler::answer(exact, Quantity::kTau, ballState(state));
+    const MatrixX<Ball> truth = NewtonEuler::answer(exact, Quantity::kTau, ballState(state));
     double largest = 0;
     for (int i = 0; i < links; ++i) {
       BOOST_TEST((Ball(tau(i, 0).value()) - truth(i, 0)).atMost() <= bound(i, 0));

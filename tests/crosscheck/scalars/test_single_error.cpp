@@ -105,8 +105,8 @@ void sweepsAreEnclosed(Quantity quantity, int seed, Excess* excess) {
   const scene::State<Q> state = fixtures::randomState(n, seed);
   Setup<Q> truth(m, fixtures::RationalNumbers(m));
   Setup<SingleError> setup(m, RoundedRationals(m));
-  const MatrixOf<Q> exact = Algorithm::answer(truth, quantity, state);
-  const MatrixOf<SingleError> found = Algorithm::answer(setup, quantity, rounded(state));
+  const MatrixX<Q> exact = Algorithm::answer(truth, quantity, state);
+  const MatrixX<SingleError> found = Algorithm::answer(setup, quantity, rounded(state));
   for (Eigen::Index k = 0; k < exact.size(); ++k) {
     const SingleError& x = found.data()[k];
     BOOST_TEST(encloses(x, exact.data()[k]), name(quantity) << " " << k << ": " << x.value()
@@ -242,7 +242,7 @@ BOOST_DATA_TEST_CASE(bundled_scenes_in_float_are_what_floats_compute_and_within_
       const Answer said = sweep(kind.quantity, state);
       const auto plain = sweepInFloat(kind.sweep, m, {state});
       plain->run(0);
-      const MatrixOf<Ball> in_float = plain->answer();
+      const MatrixX<Ball> in_float = plain->answer();
       const Certified right = truth(kind.quantity, state);
       BOOST_REQUIRE(right.exists());
       for (Eigen::Index i = 0; i < said.value.size(); ++i) {

@@ -170,7 +170,7 @@ ExactWitness offInField(const scene::Scene& scene, int i, int j, int point) {
   witness.in_field = [=, honest = witness.in_field](const FieldNumbers& number) {
     const int here = PrimeField::isSized() ? -1 : (*points)++;
     return [=, answer = honest(number)](Quantity quantity, const scene::State<PrimeField>& state) {
-      MatrixOf<PrimeField> value = answer(quantity, state);
+      MatrixX<PrimeField> value = answer(quantity, state);
       if (here == point && quantity == Quantity::kM) value(i, j) += PrimeField(1);
       return value;
     };

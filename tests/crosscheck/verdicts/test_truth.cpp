@@ -163,7 +163,7 @@ BOOST_DATA_TEST_CASE(truth_overlaps_the_derived_programs_on_balls, data::make(sc
       const scene::State<double> at = drawState(scene.mechanism, scene.name, 1, k);
       const Certified certified = truth(quantity, at);
       BOOST_REQUIRE(certified.exists());
-      MatrixOf<Ball> by_sweep = certified.value;
+      MatrixX<Ball> by_sweep = certified.value;
       by_sweep.transposeInPlace();  // the program's M is written row by row
       const std::vector<Ball> by_program = run(ballState(at, scene.mechanism));
       for (std::size_t i = 0; i < by_program.size(); ++i)

@@ -40,7 +40,7 @@ class Point {
         fast(textbook_.model) {}
 
   bool isSame(Quantity quantity) {
-    const MatrixOf<PrimeField> left = fast(quantity, state_);
+    const MatrixX<PrimeField> left = fast(quantity, state_);
     switch (quantity) {
       case Quantity::kM:
         return left == CompositeBody::answer(textbook_, quantity, state_);
