@@ -230,11 +230,12 @@ BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   }
 }
 
-// An error that falls with h asks for more steps: less is asked of what is of a low order.
+/* An error that falls with h asks for more steps: less is asked of what is of a low order. Seen in 20
+   scenes, in the last ones not by all methods yet: 292 steps, all within a factor 1.13; 12 of
+   methods of order 1 and 2 would take more than 2^19 steps, which neither runs. */
 BOOST_AUTO_TEST_CASE(steps_for_an_accuracy_in_all_scenes) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
   constexpr double kDuration = 2;
-  constexpr int kMostOutside = 2;
   std::map<std::string, std::pair<int, int>> within;  // of how many
   for (const scene::Scene& scene : smallTrees()) {
     const SpectrumAlong spectrum = spectrumAlong(scene, kDuration);
@@ -263,7 +264,7 @@ BOOST_AUTO_TEST_CASE(steps_for_an_accuracy_in_all_scenes) {
   }
   for (const auto& [method, count] : within) {
     BOOST_TEST_MESSAGE("within " << method << ": " << count.first << " of " << count.second);
-    BOOST_TEST(count.first >= count.second - kMostOutside, method);
+    BOOST_TEST(count.first == count.second, method);
   }
 }
 
