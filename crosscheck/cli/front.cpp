@@ -131,8 +131,9 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
   app.set_version_flag("--version", "dynwitness " DYNWITNESS_VERSION, "The version");
   app.set_help_all_flag("--help-all", "Help of all subcommands");
   app.footer(
-      "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the "
-      "benchmarks.\n\n"
+      "The wrapper ./dynwitness knows more words: test builds and runs all tests, bench the "
+      "benchmarks; package, python and docs build a Debian package, the Python module and the "
+      "documentation.\n\n"
       "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file, a "
       "URDF or an MJCF file. Exit status: 0 all agree; 1 a disagreement was found, or too little "
       "could be compared; 2 bad usage or bad input; 3 a failure of dynwitness itself.");
