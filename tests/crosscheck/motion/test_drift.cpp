@@ -174,8 +174,8 @@ BOOST_AUTO_TEST_CASE(what_has_no_constant_energy_is_told_in_the_report) {
   BOOST_TEST(report.find("\"drift\"") == std::string::npos);
 }
 
-/* Nothing acts on a humanoid that floats without weight. Seen: 7.4e-14 of its largest part after 100
-   steps of order 8, where rounding may do 8.2e-13; 2.2e-7 after as many of order 4. */
+/* Nothing acts on a humanoid that floats without weight. Seen: 7.4e-14 of its largest part after
+   100 steps of order 8, where rounding may do 8.2e-13; 2.2e-7 after as many of order 4. */
 BOOST_AUTO_TEST_CASE(the_program_says_how_far_momentum_moves) {
   const scene::Scene humanoid = scene::findScene("humanoid_floating");
   scene::Scene weightless = humanoid;

@@ -230,9 +230,9 @@ BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   }
 }
 
-/* An error that falls with h asks for more steps: less is asked of what is of a low order. Seen in 20
-   scenes, in the last ones not by all methods yet: 292 steps, all within a factor 1.13; 12 of
-   methods of order 1 and 2 would take more than 2^19 steps, which neither runs. */
+/* An error that falls with h asks for more steps: less is asked of what is of a low order. Seen in
+   20 scenes and by some methods in the others: 345 steps, all within a factor 1.13; 12 of methods
+   of order 1 and 2 would take more than 2^19 steps, which neither runs. */
 BOOST_AUTO_TEST_CASE(steps_for_an_accuracy_in_all_scenes) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
   constexpr double kDuration = 2;
