@@ -507,7 +507,7 @@ BOOST_AUTO_TEST_CASE(geometry_action_impulse_and_impedance_say_what_they_checked
 // forward dynamics of DART would end the process there.
 BOOST_AUTO_TEST_CASE(of_a_tip_without_mass_what_needs_no_inverse_is_compared) {
   const Program program;
-  program.write("tip.toml", R"(
+  program.write("tip.toml", R"toml(
 gravity = [0, 0, -9.81]
 [[link]]
 name = "base"
@@ -526,21 +526,22 @@ joint = { name = "wrist", kind = "revolute", xyz = [0, 0, "-0.4*cos(pi/10)"]
 [envelope]
 shoulder = { q = [-1, 1], qd = [-1, 1], qdd = [-1, 1] }
 wrist = { q = [-1, 1], qd = [-1, 1], qdd = [-1, 1] }
-)");
+)toml");
   const Outcome outcome = program.run(
       "crosscheck tip.toml --random 3 --no-charts --witness lagrange,newton_euler,dart");
-BOOST_TEST(outcome.status == 0, outcome.out);
-BOOST_TEST(outcome.out.find("joint 'wrist' moves no inertia") != std::string::npos, outcome.out);
-const std::string json = program.read("report/report.json");
-BOOST_TEST(json.find("\"verdict\": \"agree\"") != std::string::npos);
-BOOST_TEST(json.find("\"disagree\"") == std::string::npos);
-for (const char* command : {"rotors tip.toml", "envelope tip.toml", "sweep tip.toml --q 0.3,0.2"}) {
-  const Outcome shown = program.run(command);
-  BOOST_TEST(shown.status == 0, command << ": " << shown.out);
-}
-BOOST_TEST(program.run("sweep tip.toml").out.find("no articulated inertia and no qdd") !=
-           std::string::npos);
-BOOST_TEST(program.run("check tip.toml --answer 'M22 = 0'").status == 0);
-BOOST_TEST(program.run("check tip.toml --answer 'M22 = 1'").status == 1);
-refuses(program, "sweep tip.toml --json sweep.json", "joint \"wrist\"");
+  BOOST_TEST(outcome.status == 0, outcome.out);
+  BOOST_TEST(outcome.out.find("joint 'wrist' moves no inertia") != std::string::npos, outcome.out);
+  const std::string json = program.read("report/report.json");
+  BOOST_TEST(json.find("\"verdict\": \"agree\"") != std::string::npos);
+  BOOST_TEST(json.find("\"disagree\"") == std::string::npos);
+  for (const char* command :
+       {"rotors tip.toml", "envelope tip.toml", "sweep tip.toml --q 0.3,0.2"}) {
+    const Outcome shown = program.run(command);
+    BOOST_TEST(shown.status == 0, command << ": " << shown.out);
+  }
+  BOOST_TEST(program.run("sweep tip.toml").out.find("no articulated inertia and no qdd") !=
+             std::string::npos);
+  BOOST_TEST(program.run("check tip.toml --answer 'M22 = 0'").status == 0);
+  BOOST_TEST(program.run("check tip.toml --answer 'M22 = 1'").status == 1);
+  refuses(program, "sweep tip.toml --json sweep.json", "joint \"wrist\"");
 }
