@@ -572,15 +572,15 @@ DYNWITNESS_FOR_AVX2 inline void inverseDynamicsDerivativesForAvx2(
 
 /** Derivatives of tau at a state by q, qd and qdd, n x n each, in O(n depth), loads, springs and
     friction included; the functions of recursive::inverseDynamicsDerivatives, and its conventions:
-    along q everything outboard of a joint moves by its axis Z = (z_v, z_w) for a unit of time, where
-    rates are no derivatives of coordinates (spherical, floating) along the body's own axes.
+    along q everything outboard of a joint moves by its axis Z = (z_v, z_w) for a unit of time,
+    where rates are no derivatives of coordinates (spherical, floating) along the body's own axes.
 
     The road is another one: particles instead of spatial vectors, along the world's axes about each
     link's origin, and no linear velocity but between neighbours. Everything outboard of joint k is
     told in the inertial frame that moves, at this instant, with the parent's body point at the
     joint; forces are the same there. Move by Z, and look from axes that turn with Z: what is
-    outboard stays as it was, and the motion that arrives from the parent (w_p, w'_p, and a_p of that
-    point) comes from elsewhere:
+    outboard stays as it was, and the motion that arrives from the parent (w_p, w'_p, and a_p of
+    that point) comes from elsewhere:
         (1)  psi = (w_p x z_v, w_p x z_w)                           dv/dq of what is outboard
         (2)  chi = (a_p x z_w + w'_p x z_v + w_p x psi_v,  w'_p x z_w + w_p x psi_w)
         (3)  phi = psi + (v_J x z_w + w_k x z_v,  w_k x z_w)        by qd, where Z is dv/dqd
@@ -589,8 +589,8 @@ DYNWITNESS_FOR_AVX2 inline void inverseDynamicsDerivativesForAvx2(
         (4)  da/dq = chi_v + chi_w x r + 2 psi_w x v,     da/dqd = phi_v + phi_w x r + 2 z_w x v
     Summed over all that is outboard, with its mass m, h = int r, I, and
         (5)  P = int v,   N = int v r',   2 B y = (2 y x P,  2 (tr N - N) y)
-    of rigid links v = v_J + w x r gives P = m v_J + w x h,  2 N = [w]x (tr I - 2 I) + 2 v_J h'. From
-    a joint to the one inboard of its parent, r becomes r + p and v becomes v + u, u = w_p x p + v_J
+    of rigid links v = v_J + w x r gives P = m v_J + w x h,  2 N = [w]x (tr I - 2 I) + 2 v_J h'.
+    From a joint to the one inboard of its parent, r becomes r + p and v becomes v + u, u = w_p x p + v_J
     of the parent:
         (6)  h += m p,  P += m u,  N += P p' + u (h + m p)',  I as ever
         (7)  F = (m z_v + z_w x h, I z_w + h x z_v)                         by qdd

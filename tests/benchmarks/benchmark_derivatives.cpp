@@ -155,7 +155,8 @@ void registerDerivatives(BenchResult* result) {
   addContender(result, {"mujoco_differences", "MuJoCo, differences of a step"});
 #endif
   result->left_out.push_back(
-      "Pinocchio and RBDL: no package of this system has them; data/engines/ has adapters for who does (--engine)");
+      "Pinocchio and RBDL: no package of this system has them; data/engines/ has adapters for "
+      "who does (--engine)");
   for (const char* scene : {"franka_panda", "humanoid", "humanoid_floating", "chain_64"}) {
     for (const auto& [name, by] : compilers)
       for (const auto& [what, of_accelerations] : {std::pair("dtau", false), {"dqdd", true}})

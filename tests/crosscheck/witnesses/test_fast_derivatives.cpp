@@ -379,8 +379,8 @@ BOOST_AUTO_TEST_CASE(they_are_the_same_bits_whatever_the_processor) {
   }
 }
 
-// Of qdd: the derivatives at that qdd, which the class finds by itself. Seen: they differ by 6.5e-15
-// of the largest entry, where M's inverse costs a digit or two.
+// Of qdd: the derivatives at that qdd, which the class finds by itself. Seen: they differ by
+// 6.5e-15 of the largest entry, where M's inverse costs a digit or two.
 BOOST_AUTO_TEST_CASE(those_of_qdd_are_at_the_qdd_of_tau) {
   const scene::Scene scene = scene::findScene("franka_panda");
   const auto model =
