@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What simulate says of a run: constraints, energy, how far off it may be, events, published motions.
+// What simulate says of a run: constraints, energy, how far off it may be, events, publications.
 #pragma once
 
 #include <string>
