@@ -59,6 +59,12 @@ bool findsQddFirst(const scene::Scene& scene, const EvaluateArguments& arguments
           file, quantity +
                     " asked, and neither qdd nor tau given, allowed: columns qdd1.. (or "
                     "tau1.., and qdd is found first)");
+    if ((quantity == "tau" || quantity == kPower) && given.is_tau_zero && !given.qdd &&
+        !scene.mechanism.isDriven() && !hasMoreThanItsTree(scene.mechanism))
+      throw scene::InputError(
+          {}, quantity +
+                  " asked, and neither --qdd nor --tau given: it would be the zeros that are "
+                  "taken for tau; allowed: --qdd, or --tau");
     if (needs == Needs::kTau && !given.tau)
       throw scene::InputError(
           file, fmt::format("{} asked, and no tau given, allowed: {} (zeros: no joint forces)",

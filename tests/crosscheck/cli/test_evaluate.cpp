@@ -89,6 +89,12 @@ BOOST_AUTO_TEST_CASE(what_is_taken_is_told) {
   BOOST_TEST(has(both.out, "both given: tau and reactions belong to qdd as given"), both.out);
   BOOST_TEST(has(program.run("evaluate simple_pendulum --quantity qdd").out,
                  "without joint forces (tau = 0)"));
+  // of a tree these would be its own zeros; of driven joints and loops they are not
+  refuses(program, "evaluate simple_pendulum --quantity tau --q 1",
+          "neither --qdd nor --tau given");
+  refuses(program, "evaluate acrobot --quantity M,power", "neither --qdd nor --tau given");
+  BOOST_TEST(program.run("evaluate acrobot --quantity tau --tau 0,0").status == 0);
+  BOOST_TEST(program.run("evaluate loop_on_arm --quantity tau").status == 0);
 }
 
 // By hand: a block of 2 kg on an upright slide stands on a table, 0.1 m beside the slide, its

@@ -148,9 +148,9 @@ BOOST_AUTO_TEST_CASE(colours_progress_and_remarks_are_as_asked_for) {
     BOOST_TEST(!has(outcome, "[1/2]"), silent);
     BOOST_TEST(!has(outcome, "{\"progress\""), silent);
   }
-  const std::string evaluate = "evaluate acrobot --quantity tau ";
+  const std::string evaluate = "evaluate acrobot --quantity qdd ";
   BOOST_TEST(has(program.run(evaluate), "no state given"));
-  BOOST_TEST(program.run(evaluate + "-q").out.compare(0, 5, "tau1,") == 0);
+  BOOST_TEST(program.run(evaluate + "-q").out.compare(0, 5, "qdd1,") == 0);
   // a failure is told in any case
   refuses(program, "evaluate acrobt --quantity M -q", "did you mean acrobot?");
 }
