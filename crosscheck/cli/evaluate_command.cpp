@@ -60,7 +60,7 @@ bool findsQddFirst(const scene::Scene& scene, const EvaluateArguments& arguments
                     " asked, and neither qdd nor tau given, allowed: columns qdd1.. (or "
                     "tau1.., and qdd is found first)");
     if ((quantity == "tau" || quantity == kPower) && given.is_tau_zero && !given.qdd &&
-        !scene.mechanism.isDriven() && !hasMoreThanItsTree(scene.mechanism))
+        !given.is_start && !scene.mechanism.isDriven() && !hasMoreThanItsTree(scene.mechanism))
       throw scene::InputError(
           {}, quantity +
                   " asked, and neither --qdd nor --tau given: it would be the zeros that are "
