@@ -327,10 +327,10 @@ struct ExpressionParser {
   }
 
   static bool hasRounded(const Expression& e) {
-    if (e.node_->is_rounded) return true;
-    for (const Expression& operand : {e.left(), e.right()})
-      if (operand.node_ && hasRounded(operand)) return true;
-    return false;
+    const auto isRounded = [](const Expression& operand) {
+      return operand.node_ && hasRounded(operand);
+    };
+    return e.node_->is_rounded || isRounded(e.left()) || isRounded(e.right());
   }
 
   std::string digits() {

@@ -167,15 +167,16 @@ DYNWITNESS_INLINE void accelerationDerivativesBody(const Plan<T>& plan, const Jo
   inverseDynamicsDerivativesBody<Pack>(plan, x, qd, qdd, ws.of_tau,
                                        {rows, rows + width, stride, ws.M.data(), width});
   factorizeOutermostFirst<Pack>(ws);
+  constexpr std::size_t block = kBlock;
   std::size_t column = 0;  // as many at a time as registers hold beside a factor
-  const auto isLeft = [&](int packs) { return column + packs * kBlock <= stride; };
-  for (; isLeft(12); column += 12 * kBlock)
+  const auto isLeft = [&](std::size_t packs) { return column + packs * block <= stride; };
+  for (; isLeft(12); column += 12 * block)
     solveColumns<Pack>(ws, column, std::make_index_sequence<12>());
-  for (; isLeft(8); column += 8 * kBlock)
+  for (; isLeft(8); column += 8 * block)
     solveColumns<Pack>(ws, column, std::make_index_sequence<8>());
-  for (; isLeft(4); column += 4 * kBlock)
+  for (; isLeft(4); column += 4 * block)
     solveColumns<Pack>(ws, column, std::make_index_sequence<4>());
-  for (; isLeft(2); column += 2 * kBlock)
+  for (; isLeft(2); column += 2 * block)
     solveColumns<Pack>(ws, column, std::make_index_sequence<2>());
   invert<Pack>(ws);
   for (std::size_t i = 0; i < n; ++i) {
