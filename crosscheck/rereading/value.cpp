@@ -59,8 +59,10 @@ Value called(std::string_view function, const Value& x) {
   if (function == "cos") return with(cos(x.value), 1);
   if (function == "asin") {
     if (abs(x.value) > 1) throw std::runtime_error("an arcsine beyond -1 to 1");
-    const double room = static_cast<double>(1 - x.value * x.value);
-    return with(asin(x.value), room > 0 ? 1 / std::sqrt(room) : x.error > 0 ? HUGE_VAL : 0);
+    // 1 - x^2 at the steepest place; where none is left, |asin a - asin b| <= pi/2 sqrt(|a - b|)
+    const double room = static_cast<double>(1 - x.value * x.value) - 4 * x.error;
+    const double steepness = room > x.error ? 1 / std::sqrt(room) : 1.6 / std::sqrt(x.error);
+    return with(asin(x.value), x.error > 0 ? steepness : 0);
   }
   if (x.value < 0) throw std::runtime_error("the square root of a negative number");
   const Real root = sqrt(x.value);

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from . import program
 from .bodies import Bodies, Body, bodies
-from .program import (Maths, Picture, ProgramFailed, Report, SceneText, Step, Table, audit, chart, check,
+from .program import (Drawing, Maths, Picture, ProgramFailed, Report, SceneText, Step, Table, audit, chart, check,
                       crosscheck, derive, drift, evaluate, growth, parameters, plot, python_function, run,
                       show, simulate, ulps)
 

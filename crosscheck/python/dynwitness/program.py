@@ -222,14 +222,14 @@ def check(fn, scene, *, states=10, seed=1):
 
 
 def chart(scene, quantity="tau", *options):
-    """The Picture that `dynwitness chart SCENE --quantity QUANTITY` draws: time of one evaluation against
+    """The Drawing that `dynwitness chart SCENE --quantity QUANTITY` draws: time of one evaluation against
     worst error, of all methods; quantity: M, tau or qdd. It measures, which takes seconds to minutes."""
     if quantity not in ("M", "tau", "qdd"):
         raise ValueError(f"quantity: {quantity!r}, allowed: M, tau, qdd")
     with _Files() as files:
         run("chart", files.scene(scene), "--quantity", quantity, *options, "-o", files.path / "charts")
         svg = next((files.path / "charts").glob(f"*_{quantity}.svg")).read_text()
-        return Picture(svg[svg.index("<svg"):], f"{quantity} of {_name(scene)}: time against error, by method")
+        return Drawing(svg[svg.index("<svg"):], f"{quantity} of {_name(scene)}: time against error, by method")
 
 
 def audit(*equations):
@@ -247,7 +247,7 @@ def _name(scene):
 def show(scene):
     """What `dynwitness show SCENE --format json` says, and the drawing of the mechanism at its start.
 
-    Returns (dictionary, Picture)."""
+    Returns (dictionary, Drawing)."""
     with _Files() as files:
         facts = json.loads(run("show", files.scene(scene), "--format", "json", "-o", files.path / "page.html"))
         page = (files.path / "page.html").read_text()
@@ -259,7 +259,7 @@ def show(scene):
     svg = svg.replace('id="picture" ', 'xmlns="http://www.w3.org/2000/svg" width="480" height="360" ', 1)
     head = svg.index(">") + 1
     svg = f"{svg[:head]}<style>.drawn {{{colours}}}\n{rules}</style>{svg[head:]}"
-    return facts, Picture(svg, f"{_name(scene)} at its start")
+    return facts, Drawing(svg, f"{_name(scene)} at its start")
 
 
 def scene_html(scene):
@@ -378,6 +378,19 @@ class Table:
         widths = [max(map(len, column)) for column in zip(*self.rows)]
         return "\n".join("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip()
                          for row in self.rows)
+
+
+class Drawing:
+    """An SVG that the program made, which Jupyter shows; `what` says in words what is to be seen."""
+
+    def __init__(self, svg, what):
+        self.svg, self.what = svg, what
+
+    def _repr_svg_(self):
+        return self.svg
+
+    def __repr__(self):
+        return f"drawing: {self.what}"
 
 
 class Picture:

@@ -124,7 +124,7 @@ BOOST_AUTO_TEST_CASE(what_is_no_motion_is_refused) {
   BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"sqrt(t)\""),
                   "outside the domain of sqrt at t = 0"));
   BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"1/t\""), "not finite at t = 0"));
-  BOOST_TEST(says(errorOf("kind = \"revolute\", xyz = [\"sin(1)\", 0, 0]"),
+  BOOST_TEST(says(errorOf("kind = \"revolute\", xyz = [\"sin(t)\", 0, 0]"),
                   "\"sin(t)\" is a function of parameter \"t\""));
   const std::string free = "kind = \"revolute\"";
   BOOST_TEST(says(errorOf(free, "[[acceleration_constraint]]\nlink = \"body\"\n"),
