@@ -517,7 +517,7 @@ parent = "base"
 mass = 2
 com = [0, 0, -0.3]
 inertia = { xx = 0.1, yy = 0.1, zz = 0.02 }
-joint = { name = "shoulder", kind = "revolute", axis = [0, 1, 0] }
+joint = { name = "shoulder", kind = "revolute", axis = [0, 1, 0], rotor_inertia = 0.001, gear_ratio = 10 }
 [[link]]
 name = "tool"
 parent = "arm"
