@@ -97,6 +97,7 @@ BOOST_AUTO_TEST_CASE(an_option_has_one_meaning_and_one_type_in_all_commands) {
   const Program program;
   const std::regex entry("^  (?:-[a-z],)?(--[a-z-]+)(?: (INT|UINT|FLOAT|TEXT)[^ ]*)?.*");
   constexpr std::size_t kColumn = 30;                       // where texts begin
+  constexpr std::size_t kMore = 6;                          // and what an option excludes goes on
   std::map<std::string, std::array<std::string, 3>> known;  // type, meaning, command
   int shared = 0;
   for (const std::string& command : commands(program)) {
@@ -108,7 +109,7 @@ BOOST_AUTO_TEST_CASE(an_option_has_one_meaning_and_one_type_in_all_commands) {
       std::smatch found;
       if (std::regex_match(line, found, entry))
         at = &(options[found[1]] = {found[2], "", command});
-      else if (line.size() <= kColumn || line.compare(0, kColumn, std::string(kColumn, ' ')) != 0)
+      else if (line.compare(0, kMore, std::string(kMore, ' ')) != 0)
         at = nullptr;
       if (at != nullptr && line.size() > kColumn && line.compare(kColumn - 2, 2, "  ") == 0)
         (*at)[1] += (*at)[1].empty() ? line.substr(kColumn) : " " + line.substr(kColumn);
