@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <memory>
 #include <set>
-#include <string>
-#include <unordered_map>
 
 #include "crosscheck/reduction/boxes.hpp"
+#include "crosscheck/reduction/corners.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -264,11 +262,7 @@ class AccelerationSearch : public BoundedQuantity {
   }
 
   const Corner& corner(const std::vector<double>& q) {
-    std::string key(q.size() * sizeof(double), '\0');
-    if (!q.empty()) std::memcpy(&key[0], q.data(), key.size());
-    if (const auto known = corners_.find(key); known != corners_.end()) return known->second;
-    if (corners_.size() >= kMostCorners) corners_.clear();
-    return corners_.emplace(key, computed(q)).first->second;
+    return corners_.at(q, [this](const std::vector<double>& at) { return computed(at); });
   }
 
   Corner computed(const std::vector<double>& q) const {
@@ -490,7 +484,7 @@ class AccelerationSearch : public BoundedQuantity {
   Index i_, n_;
   std::vector<Source> sources_;
   PolynomialTable table_;
-  std::unordered_map<std::string, Corner> corners_;
+  CornersKnown<Corner> corners_{kMostCorners};
   double seen_ = 0, lost_ = 0;
   EnvelopeState worst_;
 };

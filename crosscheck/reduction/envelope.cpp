@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <set>
 #include <unordered_map>
@@ -14,6 +13,7 @@
 
 #include "crosscheck/reduction/acceleration.hpp"
 #include "crosscheck/reduction/boxes.hpp"
+#include "crosscheck/reduction/corners.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
@@ -256,11 +256,7 @@ class Search : public BoundedQuantity {
 
   /// Values and curvatures at a corner.
   const Corner& corner(const std::vector<double>& q) {
-    std::string key(q.size() * sizeof(double), '\0');
-    if (!q.empty()) std::memcpy(&key[0], q.data(), key.size());
-    if (const auto known = corners_.find(key); known != corners_.end()) return known->second;
-    if (corners_.size() >= kMostCorners) corners_.clear();
-    return corners_.emplace(key, computed(q)).first->second;
+    return corners_.at(q, [this](const std::vector<double>& at) { return computed(at); });
   }
 
   Corner computed(const std::vector<double>& q) const {
@@ -438,7 +434,7 @@ class Search : public BoundedQuantity {
   /// The same of d^4/dq_k^2 dq_l^2, and of squares' coefficients (boundDerivatives).
   MatrixXd fourth_, of_squares_;
   VectorXd second_lost_, squares_lost_;  ///< roundings of curvatures
-  std::unordered_map<std::string, Corner> corners_;
+  CornersKnown<Corner> corners_{kMostCorners};
   double seen_ = 0;
   EnvelopeState worst_;
 };

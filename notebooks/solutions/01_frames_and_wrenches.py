@@ -13,7 +13,6 @@ from by_hand import pose
 def jacobian(bodies, q, k, at):
     J = np.zeros((6, len(q)))
     R, p = np.eye(3), np.array(at, float)  # of the point, seen from the link that the loop has come to
-    axes = np.eye(3)  # of body k in those of that link
     columns = []
     while k >= 0:
         b = bodies[k]

@@ -9,7 +9,7 @@ must be there and are not compared, since they change with gnuplot's version. A 
 needs-NAME is not compared where the witness NAME is not installed, and must run all the same.
 A cell tagged "exercise" is for the reader to fill in, and the next, tagged "raises-exception", must fail by an
 AssertionError until then; after notebooks/solutions/NOTEBOOK.py, whose part "# %% ID" takes the place of the
-exercise with that id, it must hold.
+exercise with that id, it must hold. A line "# from NOTEBOOK ID" there stands for that solution of another notebook.
 --update keeps the new outputs instead of comparing; it refuses where a cell raises or a witness is
 missing. Exit status 77 (skipped), with the reason: a Python package or the module is missing."""
 import argparse
@@ -64,18 +64,20 @@ def missing_witnesses(program):
     return set(re.findall(r"^witness (\w+) +absent", done.stdout, re.M))
 
 
-def solutions(path):
-    """{id of an exercise: the text of its solution} of one notebook."""
-    file = FOLDER / "solutions" / f"{path.stem}.py"
+def solutions(name):
+    """{id of an exercise: the text of its solution} of the notebook of this name."""
+    file = FOLDER / "solutions" / f"{name}.py"
     if not file.exists():
         return {}
-    parts = re.split(r"^# %% (\S+)\n", file.read_text(), flags=re.M)
-    return {name: text.strip() for name, text in zip(parts[1::2], parts[2::2])}
+    text = re.sub(r"^# from (\S+) (\S+)$", lambda other: solutions(other[1])[other[2]] + "\n", file.read_text(),
+                  flags=re.M)
+    parts = re.split(r"^# %% (\S+)\n", text, flags=re.M)
+    return {exercise: solution.strip() for exercise, solution in zip(parts[1::2], parts[2::2])}
 
 
 def with_solutions(notebook, path, nbformat):
     """The cells to run after a notebook's own: each exercise solved, and its check. And what is missing."""
-    solved, cells, complaints = solutions(path), [], []
+    solved, cells, complaints = solutions(path.stem), [], []
     for cell, check in zip(notebook.cells, notebook.cells[1:]):
         if "exercise" not in cell.metadata.get("tags", []):
             continue
