@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which entries have a closed form that can be read, whatever the number of joints.
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 #include "symbolic/closed_form.hpp"
@@ -126,11 +127,34 @@ const ClosedAlgebra::Polynomial* ClosedAlgebra::multipliedOut(Node node) {
   return known(node);
 }
 
+/// The least number of terms that termsOf() counts in any way to write these: monomials that differ
+/// in what depends on the state, and one for the number.
+std::size_t ClosedAlgebra::differentIn(const Polynomial& p, const std::set<Role>& roles) const {
+  std::set<Monomial> seen;
+  for (const auto& [monomial, r] : p) {
+    Monomial part;
+    for (const auto& factor : monomial)
+      if (const Symbol& s = symbols_[factor.first];
+          roles.count(s.role) || s.shown.kind == Formula::Kind::kInput)
+        part.push_back(factor);
+    seen.insert(std::move(part));
+  }
+  return seen.size();
+}
+
 std::optional<Formula> ClosedAlgebra::shortFormula(Node node) {
   const Polynomial* p = multipliedOut(node);
   if (!p) return std::nullopt;
   if (p->empty()) return Formula::ofNumber(0);
-  Formula f = shortest(*p);
+  // no form has fewer terms than there are products of rates: other angles leave them as they are
+  if (differentIn(*p, {Role::kRate}) > kMostTerms) return std::nullopt;
+  std::vector<Polynomial> readable = forms(*p);
+  const auto isLong = [this](const Polynomial& form) {
+    return differentIn(form, {Role::kRate, Role::kCos, Role::kSin}) > kMostTerms;
+  };
+  readable.erase(std::remove_if(readable.begin(), readable.end(), isLong), readable.end());
+  if (readable.empty()) return std::nullopt;
+  Formula f = shortest(readable);
   if (termsOf(f) > kMostTerms || print(f, Style::kText).size() > kMostLetters) return std::nullopt;
   return f;
 }

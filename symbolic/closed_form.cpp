@@ -192,16 +192,20 @@ ClosedAlgebra::Monomial ClosedAlgebra::product(const Monomial& a, const Monomial
 ClosedAlgebra::Polynomial ClosedAlgebra::product(const Polynomial& a, const Polynomial& b) {
   Polynomial result;
   for (const auto& [m, r] : a)
-    for (const auto& [n, s] : b) accumulate({{product(m, n), r * s}}, &result);
+    for (const auto& [n, s] : b) accumulate(product(m, n), r * s, &result);
   return result;
 }
 
+void ClosedAlgebra::accumulate(const Monomial& m, const Rational& r, Polynomial* total) {
+  if (r.is_zero()) return;
+  const auto [it, is_new] = total->try_emplace(m, r);
+  if (is_new) return;
+  it->second += r;
+  if (it->second.is_zero()) total->erase(it);
+}
+
 void ClosedAlgebra::accumulate(const Polynomial& terms, Polynomial* total) {
-  for (const auto& [m, r] : terms) {
-    const auto it = total->emplace(m, 0).first;
-    it->second += r;
-    if (it->second == 0) total->erase(it);
-  }
+  for (const auto& [m, r] : terms) accumulate(m, r, total);
 }
 
 ClosedAlgebra::Polynomial ClosedAlgebra::polynomial(const GiNaC::ex& x) {
@@ -234,45 +238,53 @@ ClosedAlgebra::Polynomial ClosedAlgebra::polynomial(const GiNaC::ex& x) {
   return onFixedCircles(std::move(result));
 }
 
-/// Fixed angles are on the circle too.
-ClosedAlgebra::Polynomial ClosedAlgebra::onFixedCircles(Polynomial result) const {
-  for (const auto& [cosine, sine] : fixed_angles_) {
-    Polynomial next;
-    for (const auto& [monomial, coefficient] : result) {
-      Polynomial terms{{{}, coefficient}};
-      for (const auto& [symbol, exponent] : monomial) {
-        const int squares = symbol == cosine && exponent > 0 ? exponent / 2 : 0;
-        for (int i = 0; i < squares; ++i) terms = product(terms, {{{}, 1}, {{{sine, 2}}, -1}});
-        if (exponent != 2 * squares)
-          terms = product(terms, {{{{symbol, exponent - 2 * squares}}, 1}});
-      }
-      accumulate(terms, &next);
+/** Every term with some factors x^e replaced by polynomials; one without such a factor goes over as
+    it is, most do.
+    @param replacement  of (symbol, exponent): a polynomial, or none to keep the factor */
+template <typename Replacement>
+ClosedAlgebra::Polynomial ClosedAlgebra::replaced(const Polynomial& p, Replacement replacement) {
+  Polynomial result;
+  for (const auto& [monomial, coefficient] : p) {
+    Monomial kept;
+    Polynomial terms{{{}, coefficient}};
+    for (const auto& factor : monomial) {
+      if (const std::optional<Polynomial> by = replacement(factor.first, factor.second))
+        terms = product(terms, *by);
+      else
+        kept.push_back(factor);
     }
-    result = std::move(next);
+    for (const auto& [m, r] : terms) accumulate(product(m, kept), r, &result);
   }
   return result;
 }
 
+/// x^e with x^2 = 1 - y^2 as often as it goes; e >= 2.
+ClosedAlgebra::Polynomial ClosedAlgebra::withoutSquares(int x, int exponent, int y) {
+  const Polynomial one_minus_square = {{{}, 1}, {{{y, 2}}, -1}};
+  Polynomial terms{{exponent % 2 == 1 ? Monomial{{x, 1}} : Monomial{}, 1}};
+  for (int i = 0; i < exponent / 2; ++i) terms = product(terms, one_minus_square);
+  return terms;
+}
+
+/// Fixed angles are on the circle too.
+ClosedAlgebra::Polynomial ClosedAlgebra::onFixedCircles(Polynomial p) const {
+  for (const auto& circle : fixed_angles_)
+    p = replaced(p, [&](int symbol, int exponent) -> std::optional<Polynomial> {
+      if (symbol != circle.first || exponent < 2) return std::nullopt;
+      return withoutSquares(circle.first, exponent, circle.second);
+    });
+  return p;
+}
+
 /// Replaces squares of the other function of each angle: c^2 = 1 - s^2 or s^2 = 1 - c^2.
 ClosedAlgebra::Polynomial ClosedAlgebra::reduced(const Polynomial& p, Role power_kept) const {
-  Polynomial result;
-  for (const auto& [monomial, coefficient] : p) {
-    Polynomial terms{{{}, coefficient}};
-    for (const auto& [symbol, exponent] : monomial) {
-      const Role role = symbols_[symbol].role;
-      const bool is_trig = role == Role::kCos || role == Role::kSin;
-      if (!is_trig || role == power_kept || exponent < 2) {
-        terms = product(terms, {{{{symbol, exponent}}, 1}});
-        continue;
-      }
-      const auto [c, s] = trig_.at(symbols_[symbol].angle);
-      const Polynomial one_minus_square = {{{}, 1}, {{{role == Role::kCos ? s : c, 2}}, -1}};
-      for (int i = 0; i < exponent / 2; ++i) terms = product(terms, one_minus_square);
-      if (exponent % 2 == 1) terms = product(terms, {{{{symbol, 1}}, 1}});
-    }
-    accumulate(terms, &result);
-  }
-  return result;
+  return replaced(p, [&](int symbol, int exponent) -> std::optional<Polynomial> {
+    const Role role = symbols_[symbol].role;
+    const bool is_trig = role == Role::kCos || role == Role::kSin;
+    if (!is_trig || role == power_kept || exponent < 2) return std::nullopt;
+    const auto [c, s] = trig_.at(symbols_[symbol].angle);
+    return withoutSquares(symbol, exponent, role == Role::kCos ? s : c);
+  });
 }
 
 /** With theta_j the sum of the angles of parallel joints up to j and theta_i the one before it,
@@ -296,19 +308,13 @@ ClosedAlgebra::Polynomial ClosedAlgebra::inSummedAngles(const Polynomial& p) {
     replacement[s] = {{product(Monomial{{s_j, 1}}, {{c_i, 1}}), 1},
                       {product(Monomial{{c_j, 1}}, {{s_i, 1}}), -1}};
   }
-  Polynomial result;
-  for (const auto& [monomial, coefficient] : p) {
-    Polynomial terms{{{}, coefficient}};
-    for (const auto& [symbol, exponent] : monomial) {
-      const auto it = replacement.find(symbol);
-      if (it == replacement.end())
-        terms = product(terms, {{{{symbol, exponent}}, 1}});
-      else
-        for (int e = 0; e < exponent; ++e) terms = product(terms, it->second);
-    }
-    accumulate(terms, &result);
-  }
-  return result;
+  return replaced(p, [&](int symbol, int exponent) -> std::optional<Polynomial> {
+    const auto by = replacement.find(symbol);
+    if (by == replacement.end()) return std::nullopt;
+    Polynomial terms{{{}, 1}};
+    for (int e = 0; e < exponent; ++e) terms = product(terms, by->second);
+    return terms;
+  });
 }
 
 /// Products of cosines and sines as sums: cos a cos b = (cos(a + b) + cos(a - b)) / 2, and so on.

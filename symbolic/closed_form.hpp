@@ -8,6 +8,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -89,17 +90,22 @@ class ClosedAlgebra {
   Polynomial inMultipleAngles(const Polynomial& p);
   /// The forms that formula() chooses from.
   std::vector<Polynomial> forms(const Polynomial& p);
-  /// The shortest of them as it is written; p is not 0.
-  Formula shortest(const Polynomial& p);
+  /// The shortest of some forms as it is written; none is 0.
+  Formula shortest(const std::vector<Polynomial>& forms) const;
+  std::size_t differentIn(const Polynomial& p, const std::set<Role>& roles) const;
   static Polynomial product(const Polynomial& a, const Polynomial& b);
   static Monomial product(const Monomial& a, const Monomial& b);
+  template <typename Replacement>
+  static Polynomial replaced(const Polynomial& p, Replacement replacement);
+  static Polynomial withoutSquares(int x, int exponent, int y);
+  static void accumulate(const Monomial& m, const Rational& r, Polynomial* total);
   static void accumulate(const Polynomial& terms, Polynomial* total);
 
   const Equations& equations_;
   std::map<int, GiNaC::ex> expressions_;                     ///< of nodes
   std::map<int, int> number_symbols_;                        ///< of atoms and inverses, by node
   std::map<int, std::optional<Polynomial>> multiplied_out_;  ///< of nodes
-  long products_left_ = 2000000;                             ///< of two terms: a few seconds
+  long products_left_ = 2000000;                             ///< of two terms: two seconds
   std::map<std::pair<Input, int>, GiNaC::symbol> inputs_;
   std::map<GiNaC::ex, int, GiNaC::ex_is_less> symbol_of_;
   std::vector<Symbol> symbols_;

@@ -196,13 +196,13 @@ class ClosedAlgebra::Writer {
 
 Formula ClosedAlgebra::formula(const GiNaC::ex& x) {
   const Polynomial p = polynomial(x);
-  return reduced(p, Role::kSin).empty() ? Formula::ofNumber(0) : shortest(p);
+  return reduced(p, Role::kSin).empty() ? Formula::ofNumber(0) : shortest(forms(p));
 }
 
-Formula ClosedAlgebra::shortest(const Polynomial& p) {
+Formula ClosedAlgebra::shortest(const std::vector<Polynomial>& forms) const {
   std::optional<Formula> best;
   std::size_t best_length = 0;
-  for (const Polynomial& form : forms(p)) {
+  for (const Polynomial& form : forms) {
     for (bool rates_outside : {false, true}) {
       const Formula f = Writer(symbols_).write(form, rates_outside);
       const std::size_t length = print(f, Style::kText).size();

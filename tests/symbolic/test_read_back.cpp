@@ -7,6 +7,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "fixtures/scene_files.hpp"
 #include "scene/scene.hpp"
 
 using namespace dynwitness;
@@ -16,12 +17,6 @@ namespace data = boost::unit_test::data;
 namespace {
 
 const std::vector<Style> kStyles = {Style::kText, Style::kLatex, Style::kMathml};
-
-std::vector<std::string> sceneFiles() {
-  std::vector<std::string> files;
-  for (const auto& path : scene::bundledScenes()) files.push_back(path.string());
-  return files;
-}
 
 scene::Mechanism pendulumWith(const std::string& parameters, const std::string& mass) {
   return scene::readSceneToml(
@@ -41,8 +36,8 @@ scene::Mechanism pendulumWith(const std::string& parameters, const std::string& 
 
 BOOST_AUTO_TEST_SUITE(printed)
 
-BOOST_DATA_TEST_CASE(every_equation_of_every_scene_says_what_was_derived, data::make(sceneFiles()),
-                     file) {
+BOOST_DATA_TEST_CASE(every_equation_of_every_scene_says_what_was_derived,
+                     data::make(derivedSceneFiles()), file) {
   const scene::Mechanism mechanism = scene::readScene(file).mechanism;
   const Derivation d = derivation(mechanism, hasClosedForm(mechanism));
   for (const Step& step : d.steps) BOOST_TEST(step.holds, step.name);

@@ -12,6 +12,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/verdicts/check_identities.hpp"
+#include "fixtures/scene_files.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/exact_points.hpp"
@@ -109,12 +110,6 @@ scene::Mechanism randomTree(unsigned seed, int links) {
     toml += "[[wrench]]\nlink = \"link" + std::to_string(links) + "\"\nforce = " + vector() +
             "\nmoment = " + vector() + "\nat = " + vector() + "\naxes = \"" + axis_kind + "\"\n";
   return mechanism(toml);
-}
-
-std::vector<std::string> sceneNames() {
-  std::vector<std::string> names;
-  for (const auto& path : scene::bundledScenes()) names.push_back(path.string());
-  return names;
 }
 
 /// What mechanics demands of every mechanism.
@@ -465,7 +460,7 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(identities)
 
-BOOST_DATA_TEST_CASE(every_bundled_scene_obeys_mechanics, data::make(sceneNames()), file) {
+BOOST_DATA_TEST_CASE(every_bundled_scene_obeys_mechanics, data::make(sceneFiles()), file) {
   checkIdentities(scene::readScene(file).mechanism, 11);
 }
 
