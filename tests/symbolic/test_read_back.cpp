@@ -7,8 +7,8 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "fixtures/scene_files.hpp"
 #include "scene/scene.hpp"
+#include "tests/fixtures/scene_files.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::symbolic;

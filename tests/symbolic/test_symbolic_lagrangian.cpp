@@ -12,11 +12,11 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/verdicts/check_identities.hpp"
-#include "fixtures/scene_files.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/exact_points.hpp"
 #include "symbolic/quasi_velocities.hpp"
+#include "tests/fixtures/scene_files.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::symbolic;

@@ -18,11 +18,11 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "fixtures/scene_files.hpp"
 #include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/print.hpp"
+#include "tests/fixtures/scene_files.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::symbolic;
