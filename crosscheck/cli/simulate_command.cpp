@@ -330,6 +330,133 @@ int runSimulate(SimulateArguments arguments) {
   return agree ? 0 : 1;
 }
 
+/// How the motion is computed.
+void addMethod(CLI::App& command, SimulateArguments& arguments) {
+  command.add_option("--duration", arguments.options.duration, "Duration [s]: simulated time")
+      ->check(positive())
+      ->capture_default_str();
+  command
+      .add_option(
+          "--formulation", arguments.formulation,
+          "Which form of the closures is solved: index1 (phi'' = 0), index2 (phi' = 0), index3 "
+          "(phi = 0), ggl (the last two, Gear, Leimkuhler and Gupta)")
+      ->capture_default_str()
+      ->check(oneOf({"index1", "index2", "index3", "ggl"}));
+  command
+      .add_option(
+          "--method", arguments.methods,
+          "Integrators: [runge_kutta_fehlberg78, which with runge_kutta_dopri5 chooses its steps by "
+          "--step-error; radau_iia_5 where the formulation is not index1] " +
+              integratorNames() +
+              "; of several, with commas, a table says what each costs and how far it is off")
+      ->delimiter(',');
+  command
+      .add_option(
+          "--step-error", arguments.step_error,
+          "Error of a step of methods that choose theirs, relative and absolute [1e-10, or what a published "
+          "motion of the scene takes]")
+      ->check(positive());
+  command.add_option("--step", arguments.options.step, "Step size [s]: of the other methods")
+      ->check(positive())
+      ->capture_default_str();
+  command
+      .add_option("--stabilisation", arguments.stabilisation,
+                  "How index 1 keeps closures: none, baumgarte, or projection after each step "
+                  "[projection; none for the others]")
+      ->check(oneOf({"none", "baumgarte", "projection"}));
+  command
+      .add_option("--baumgarte-rate", arguments.options.baumgarte_rate,
+                  "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
+      ->check(nonNegative())
+      ->capture_default_str();
+}
+
+/// What acceleration constraints are.
+void addTasks(CLI::App& command, SimulateArguments& arguments) {
+  command
+      .add_option("--controller", arguments.controller,
+                  "What acceleration constraints of the scene are: constraint (ideal forces hold "
+                  "them), or tasks that motors do: operational_space (J' Lambda and the posture in "
+                  "its null space), impedance (J' times a spring and a damper)")
+      ->capture_default_str()
+      ->check(oneOf({"constraint", "operational_space", "impedance"}));
+  command
+      .add_option("--task-gains", arguments.task_gains,
+                  "KP,KD of tasks, about the integrals of their values: 1/s^2 and 1/s in "
+                  "operational space, N/m and N s/m of an impedance (N m s of turns)")
+      ->delimiter(',')
+      ->expected(2);
+  command
+      .add_option("--posture", arguments.posture,
+                  "KP,KD: joint forces KP (q(0) - q) - KD qd of every free joint with one axis "
+                  "[N m/rad, N m s/rad; N/m, N s/m]")
+      ->delimiter(',')
+      ->expected(2);
+}
+
+/// Joint forces over time.
+void addForces(CLI::App& command, SimulateArguments& arguments) {
+  CLI::Option* tau = command.add_option(
+      "--tau", arguments.tau,
+      "Joint forces [N m, N], in the order of `show` or by joint, elbow=0.3; without: none. Functions of "
+      "t, elbow=2*sin(3*t), too");
+  tau->delimiter(',')->type_name("FLOAT:finite ...");
+  command
+      .add_option(
+          "--forces", arguments.forces,
+          "Joint forces of a CSV file: columns t (or time_s) and tau1.., lines between its rows")
+      ->excludes(tau);
+}
+
+/// Where the run ends.
+void addEvents(CLI::App& command, SimulateArguments& arguments) {
+  CLI::Option* until = command.add_option(
+      "--until", arguments.until,
+      "The run ends at an event, \"q2 = 0 rising\": a coordinate (q2, qd1, or a joint's name) passes a "
+      "number, rising, falling or either; to be seen it has to be on another side at the ends of a step. "
+      "Exit status 1 where the duration ends before");
+  until->excludes("--compare");
+  command
+      .add_option("--times", arguments.times,
+                  "Such events, of which the last ends the run; their times and periods are told")
+      ->capture_default_str()
+      ->check(whole(1, 1000000))
+      ->needs(until);
+}
+
+/// The table of the motion.
+void addRows(CLI::App& command, SimulateArguments& arguments) {
+  command
+      .add_option("--outputs", arguments.options.outputs,
+                  "Rows of the CSV file, and states of --view")
+      ->check(whole(1, 1000000))
+      ->capture_default_str();
+  CLI::Option* csv = command.add_option(
+      "--csv", arguments.csv,
+      "Table as a CSV file: time, q, qd, qdd, tau, multipliers, energies, drift, of several methods with a "
+      "column method before; `evaluate --states FILE --keep` reads it");
+  command
+      .add_flag(
+          "--reactions", arguments.reactions,
+          "The CSV file has what the joints transmit, too, as `evaluate --quantity reactions` has it")
+      ->needs(csv);
+}
+
+/// The motion to look at.
+void addPictures(CLI::App& command, SimulateArguments& arguments) {
+  CLI::Option* plot = command.add_option(
+      "--plot", arguments.plot,
+      "Chart, a file that ends in .svg (as one without ending is), .png or .pdf: energy error and "
+      "distance of the methods from a reference against time; their table is printed");
+  plot->excludes("--compare");
+  addBackground(command, arguments.look);
+  command.get_option("--background")->needs(plot);
+  command
+      .add_option("--view", arguments.view,
+                  "File: a picture that plays the motion, energy beside it, as HTML")
+      ->excludes("--compare");
+}
+
 }  // namespace
 
 Run addSimulate(CLI::App* command) {
@@ -346,121 +473,23 @@ Run addSimulate(CLI::App* command) {
       "20,4");
   addScene(*command, arguments->scene, "Scene");
   addStart(*command, arguments->start);
-  command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")
-      ->check(positive())
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--formulation", arguments->formulation,
-          "Which form of the closures is solved: index1 (phi'' = 0), index2 (phi' = 0), index3 "
-          "(phi = 0), ggl (the last two, Gear, Leimkuhler and Gupta)")
-      ->capture_default_str()
-      ->check(oneOf({"index1", "index2", "index3", "ggl"}));
-  command
-      ->add_option(
-          "--method", arguments->methods,
-          "Integrators: [runge_kutta_fehlberg78, which with runge_kutta_dopri5 chooses its steps by "
-          "--step-error; radau_iia_5 where the formulation is not index1] " +
-              integratorNames() +
-              "; of several, with commas, a table says what each costs and how far it is off")
-      ->delimiter(',');
-  command
-      ->add_option(
-          "--step-error", arguments->step_error,
-          "Error of a step of methods that choose theirs, relative and absolute [1e-10, or what a published "
-          "motion of the scene takes]")
-      ->check(positive());
-  command->add_option("--step", arguments->options.step, "Step size [s]: of the other methods")
-      ->check(positive())
-      ->capture_default_str();
-  command
-      ->add_option("--stabilisation", arguments->stabilisation,
-                   "How index 1 keeps closures: none, baumgarte, or projection after each step "
-                   "[projection; none for the others]")
-      ->check(oneOf({"none", "baumgarte", "projection"}));
-  command
-      ->add_option("--baumgarte-rate", arguments->options.baumgarte_rate,
-                   "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
-      ->check(nonNegative())
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--controller", arguments->controller,
-          "What acceleration constraints of the scene are: constraint (ideal forces hold "
-          "them), or tasks that motors do: operational_space (J' Lambda and the posture in "
-          "its null space), impedance (J' times a spring and a damper)")
-      ->capture_default_str()
-      ->check(oneOf({"constraint", "operational_space", "impedance"}));
-  command
-      ->add_option("--task-gains", arguments->task_gains,
-                   "KP,KD of tasks, about the integrals of their values: 1/s^2 and 1/s in "
-                   "operational space, N/m and N s/m of an impedance (N m s of turns)")
-      ->delimiter(',')
-      ->expected(2);
-  command
-      ->add_option("--posture", arguments->posture,
-                   "KP,KD: joint forces KP (q(0) - q) - KD qd of every free joint with one axis "
-                   "[N m/rad, N m s/rad; N/m, N s/m]")
-      ->delimiter(',')
-      ->expected(2);
+  addMethod(*command, *arguments);
+  addTasks(*command, *arguments);
   command->add_flag(
       "--compare", arguments->compare,
       "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
   addJson(*command, arguments->json,
           "ranks, drift, cost and published motions; with --compare its table");
-  command
-      ->add_option("--outputs", arguments->options.outputs,
-                   "Rows of the CSV file, and states of --view")
-      ->check(whole(1, 1000000))
-      ->capture_default_str();
-  CLI::Option* csv = command->add_option(
-      "--csv", arguments->csv,
-      "Table as a CSV file: time, q, qd, qdd, tau, multipliers, energies, drift, of several methods with a "
-      "column method before; `evaluate --states FILE --keep` reads it");
-  command
-      ->add_flag(
-          "--reactions", arguments->reactions,
-          "The CSV file has what the joints transmit, too, as `evaluate --quantity reactions` has it")
-      ->needs(csv);
+  addRows(*command, *arguments);
   command
       ->add_flag(
           "--once", arguments->runs_once,
           "No second run by another method at half the error (or at half the step), which says how "
           "far off this one is")
       ->excludes("--compare");
-  CLI::Option* until = command->add_option(
-      "--until", arguments->until,
-      "The run ends at an event, \"q2 = 0 rising\": a coordinate (q2, qd1, or a joint's name) passes a "
-      "number, rising, falling or either; to be seen it has to be on another side at the ends of a step. "
-      "Exit status 1 where the duration ends before");
-  until->excludes("--compare");
-  command
-      ->add_option("--times", arguments->times,
-                   "Such events, of which the last ends the run; their times and periods are told")
-      ->capture_default_str()
-      ->check(whole(1, 1000000))
-      ->needs(until);
-  CLI::Option* tau = command->add_option(
-      "--tau", arguments->tau,
-      "Joint forces [N m, N], in the order of `show` or by joint, elbow=0.3; without: none. Functions of "
-      "t, elbow=2*sin(3*t), too");
-  tau->delimiter(',')->type_name("FLOAT:finite ...");
-  command
-      ->add_option(
-          "--forces", arguments->forces,
-          "Joint forces of a CSV file: columns t (or time_s) and tau1.., lines between its rows")
-      ->excludes(tau);
-  CLI::Option* plot = command->add_option(
-      "--plot", arguments->plot,
-      "Chart, a file that ends in .svg (as one without ending is), .png or .pdf: energy error and "
-      "distance of the methods from a reference against time; their table is printed");
-  plot->excludes("--compare");
-  addBackground(*command, arguments->look);
-  command->get_option("--background")->needs(plot);
-  command
-      ->add_option("--view", arguments->view,
-                   "File: a picture that plays the motion, energy beside it, as HTML")
-      ->excludes("--compare");
+  addEvents(*command, *arguments);
+  addForces(*command, *arguments);
+  addPictures(*command, *arguments);
   return [arguments] { return runSimulate(*arguments); };
 }
 
