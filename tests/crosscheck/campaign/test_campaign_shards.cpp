@@ -5,9 +5,11 @@
 #include <csignal>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <string>
 #include <thread>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <boost/test/unit_test.hpp>
@@ -292,6 +294,32 @@ BOOST_AUTO_TEST_CASE(what_a_campaign_has_found_stays_mended) {
   BOOST_TEST(verdict(2472) == "agree");
   // a degree beyond the field disagrees with nothing
   BOOST_TEST(verdict(1043) == "not answerable");
+}
+
+BOOST_AUTO_TEST_CASE(a_case_leaves_no_memory_behind) {
+  const files::TemporaryFolder folder;
+  const CampaignPlan plan = planOf(folder.path, kSmall);
+  // what is held after all cases have run once more than before; that they ran before fills what is
+  // kept for good
+  const auto growth = [&](const CaseRunner& runner) {
+    const auto all = [&] {
+      for (long k = 0; k < plan.cases(); ++k) runner.line(k);
+      return static_cast<long>(mallinfo2().uordblks);
+    };
+    all();
+    const long before = all();
+    return all() - before;
+  };
+  BOOST_TEST(growth(runnerOf(plan)) < plan.cases() * 32);  // the least that malloc gives, a case
+  // and one that keeps a few bytes of each is noticed
+  std::vector<std::unique_ptr<std::string>> kept;
+  WitnessKind keeps = compositeBodyKind();
+  keeps.make_exact = [&kept](const PreparedScene& scene, Parameters parameters) {
+    kept.push_back(std::make_unique<std::string>(100, 'x'));
+    return compositeBodyKind().make_exact(scene, parameters);
+  };
+  BOOST_TEST(growth(CaseRunner(plan, "/bin/true", {newtonEulerKind(), keeps})) >=
+             plan.cases() * 100);
 }
 
 BOOST_AUTO_TEST_CASE(draws_prefer_mechanisms_with_rare_pairs) {
