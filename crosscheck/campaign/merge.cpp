@@ -101,14 +101,15 @@ class Records {
   int open_ = 0;
 };
 
-std::vector<int> pairsOfHex(const std::string& digits) {
-  std::vector<int> pairs;
-  for (int k = 0; k < pairCount(); ++k) {
-    const char digit = digits.at(static_cast<std::size_t>(k) / 4);
+/// What stands in a record as a bit each, four a digit.
+std::vector<int> bitsOfHex(const std::string& digits) {
+  std::vector<int> set;
+  for (int k = 0; k < 4 * static_cast<int>(digits.size()); ++k) {
+    const char digit = digits[static_cast<std::size_t>(k) / 4];
     const int value = digit <= '9' ? digit - '0' : digit - 'a' + 10;
-    if ((value & (8 >> (k % 4))) != 0) pairs.push_back(k);
+    if ((value & (8 >> (k % 4))) != 0) set.push_back(k);
   }
-  return pairs;
+  return set;
 }
 
 /// By pair: its two features.
@@ -145,7 +146,7 @@ void addMechanism(const Json& record, CampaignSum* sum) {
   ++met.rates[record.at("rates").get<int>()];
   ++met.depths[record.at("depth").get<int>()];
   ++met.branches[record.at("branches").get<int>()];
-  const std::vector<int> pairs = pairsOfHex(record.at("pairs").get<std::string>());
+  const std::vector<int> pairs = bitsOfHex(record.at("pairs").get<std::string>());
   met.pairs.add(record.at("name").get<std::string>(), pairs);
   if (agrees)
     for (const std::string& term : termsOf(pairs)) ++met.terms[term];
@@ -153,7 +154,7 @@ void addMechanism(const Json& record, CampaignSum* sum) {
   for (const std::string& name : names) met.laws[name];  // with zeros
   std::size_t k = 0;
   for (const char* how : {"decided", "idle", "not_answerable"}) {
-    for (const int law : pairsOfHex(record.at("laws").at(how).get<std::string>()))
+    for (const int law : bitsOfHex(record.at("laws").at(how).get<std::string>()))
       ++met.laws[names.at(static_cast<std::size_t>(law))][k];
     ++k;
   }

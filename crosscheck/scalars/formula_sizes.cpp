@@ -27,7 +27,7 @@ FormulaSizes::FormulaSizes()
     : outer_(PrimeField::sizes_),
       values_(1),
       buckets_(1 << 12, 0),
-      memory_(1 << 12),
+      memory_(1 << 14),
       denominators_{{{}, {0, 0}}} {
   index_[{}] = 0;
   PrimeField::sizes_ = this;

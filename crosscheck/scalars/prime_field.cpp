@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/scalars/prime_field.hpp"
 
+#include <array>
 #include <limits>
 
 #include <flint/ulong_extras.h>
@@ -55,7 +56,17 @@ PrimeField PrimeField::fromRational(const scene::Rational& value) {
   if (sizes_) return sizes_->constant(value);
   const PrimeField top = fromInteger(scene::top(value));
   const scene::Integer& bottom = scene::bottom(value);
-  return bottom == 1 ? top : top / fromInteger(bottom);
+  if (bottom == 1) return top;
+  const PrimeField divisor = fromInteger(bottom);
+  // decimals have few denominators, and an inverse takes as long as ten products
+  struct Known {
+    std::uint64_t modulus, divisor, inverse;
+  };
+  static thread_local std::array<Known, 64> known = {};
+  Known& at = known[divisor.word_ * 0x9e3779b97f4a7c15u >> 58];
+  if (at.modulus != modulus_.n || at.divisor != divisor.word_)
+    at = {modulus_.n, divisor.word_, divisor.inverse().word_};
+  return top * PrimeField(at.inverse, Raw{});
 }
 
 PrimeField PrimeField::inverse() const {
