@@ -373,7 +373,7 @@ std::string describeSum(const GatheredLedgers& gathered, const CampaignSum& sum)
         "mechanisms by exact check: where it was decided, had nothing to ask, was not "
         "answerable:\n";
     for (const auto& [law, counts] : met.laws)
-      text += fmt::format("  {:34} {:7} {:7} {:7}\n", law, counts[0], counts[1], counts[2]);
+      text += fmt::format("  {:42} {:7} {:7} {:7}\n", law, counts[0], counts[1], counts[2]);
     if (sum.shareAtMost() < 1)
       text += fmt::format(
           "of all mechanisms that are drawn like these at most {:.2g} have formulas that differ, "

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -18,6 +19,7 @@
 #include "crosscheck/campaign/campaign_plan.hpp"
 #include "crosscheck/campaign/merge.hpp"
 #include "crosscheck/campaign/shard.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "crosscheck/inputs/feature_pairs.hpp"
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
@@ -255,10 +257,12 @@ BOOST_AUTO_TEST_CASE(the_sum_counts_what_the_mechanisms_are) {
   const CampaignSum sum = writeMerged(gatherLedgers({folder.path / "x"}), folder.path / "result");
   PairTable pairs;
   std::map<std::string, long> kinds, with;
+  long closed = 0;
   for (unsigned k = 0; k < 23; ++k) {
     const scene::Scene scene = randomWholeScene(1, k, 2);
     const auto& links = scene.mechanism.links;
     with["no gravity"] += scene.mechanism.has_gravity ? 0 : 1;
+    closed += scene.mechanism.closures.empty() ? 0 : 1;
     with["spring"] += std::any_of(links.begin(), links.end(), [](const scene::Link& link) {
       return !link.joint.stiffness.isLiteralZero();
     });
@@ -271,6 +275,14 @@ BOOST_AUTO_TEST_CASE(the_sum_counts_what_the_mechanisms_are) {
     BOOST_TEST(count > 0, term);
     BOOST_TEST(sum.coverage.terms.at(term) == count, term);
   }
+  // each check that there is, and those of closures where there are some
+  BOOST_TEST(sum.coverage.laws.size() == exactCheckNames().size());
+  const std::array<long, 3> by_closures = sum.coverage.laws.at("closures"),
+                            by_all = sum.coverage.laws.at("skew symmetry");
+  BOOST_TEST(closed > 0);
+  BOOST_TEST(closed < 23);
+  BOOST_TEST(by_closures[0] + by_closures[1] + by_closures[2] == closed);
+  BOOST_TEST(by_all[0] + by_all[1] + by_all[2] == 23);
   BOOST_TEST(std::pow(1 - shareAtMostOf(7), 7) == 0.05, boost::test_tools::tolerance(1e-12));
   BOOST_TEST(shareAtMostOf(0) == 1);
   for (const PairRelation relation : kAllPairRelations)
