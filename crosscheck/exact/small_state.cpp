@@ -2,18 +2,19 @@
 #include "crosscheck/exact/small_state.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <new>
 #include <numeric>
+#include <random>
 
 #include <fmt/format.h>
 
-#include "crosscheck/inputs/states.hpp"
 #include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr int kDraws = 4;  ///< a magnitude
+constexpr unsigned kDraws = 4;  ///< a magnitude
 
 /// By slot: whether the position is a turn, whose point of the circle formulas read.
 std::vector<char> turns(const scene::Mechanism& mechanism) {
@@ -108,10 +109,10 @@ std::optional<FoundState> smallestState(const scene::Mechanism& mechanism, std::
   const std::vector<int*> entries = entriesOf(out.state, follows);
   bool found = false;
   for (const int most : {9, 99, 999}) {
-    for (int draw = 0; draw < kDraws && !found; ++draw) {
-      RandomStream random(fmt::format("a state up to {}", most), seed, draw);
+    for (unsigned draw = 0; draw < kDraws && !found; ++draw) {
+      std::mt19937_64 random(seed ^ (static_cast<std::uint64_t>(most) << 32 | draw));
       for (int* entry : entries)
-        *entry = 1 + static_cast<int>(random.next() % static_cast<std::uint64_t>(most));
+        *entry = 1 + static_cast<int>(random() % static_cast<std::uint64_t>(most));
       found = doesShow(out.state);
     }
   }

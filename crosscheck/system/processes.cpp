@@ -264,6 +264,7 @@ void inOwnCopies(int at_a_time, int count, double seconds,
       });
       close(copy.file);
       copy.file = -1;
+      std::string().swap(copy.unread);  // with its room: copies are as many as tasks
       --running;
       const int status = is_late ? endCopy(copy.process) : Copies::waitFor(copy);
       copy.process = -1;
