@@ -325,16 +325,19 @@ std::vector<int> Graph::below(const std::vector<Node>& nodes) const {
   int last = 0;
   for (Node n : nodes) last = std::max(last, n.index);
   std::vector<char> reached(last + 1, 0);
-  for (Node n : nodes) reached[n.index] = 1;
-  for (int i = last; i >= 0; --i) {
-    if (!reached[i]) continue;
-    const int operands = operandCount({i});
-    if (operands > 0) reached[entries_[i].a] = 1;
-    if (operands > 1) reached[entries_[i].b] = 1;
-  }
   std::vector<int> result;
-  for (int i = 0; i <= last; ++i)
-    if (reached[i]) result.push_back(i);
+  const auto reach = [&](int i) {
+    if (reached[i] != 0) return;
+    reached[i] = 1;
+    result.push_back(i);
+  };
+  for (Node n : nodes) reach(n.index);
+  for (std::size_t k = 0; k < result.size(); ++k) {  // it grows
+    const int i = result[k], operands = operandCount({i});
+    if (operands > 0) reach(entries_[i].a);
+    if (operands > 1) reach(entries_[i].b);
+  }
+  std::sort(result.begin(), result.end());
   return result;
 }
 

@@ -42,6 +42,7 @@ class Trial {
     check_.is_idle = sides.is_idle;
     if (!sides.failure.empty()) return giveUp(sides.failure, true);
     if (!sameShape(sides)) return;
+    rows_ = sides.left.rows(), columns_ = sides.left.cols();
     double chance = 0;
     for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
       for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
@@ -70,6 +71,9 @@ class Trial {
     discarded_in_a_row = 0;
     ++exact_.points;
     if (!sameShape(sides)) return;
+    if (sides.left.rows() != rows_ || sides.left.cols() != columns_)  // as what was not asked has
+      return disagree(fmt::format("at point {} it has {} x {} entries, and {} x {} as a formula",
+                                  index, sides.left.rows(), sides.left.cols(), rows_, columns_));
     for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
       for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
         if (sides.left(i, j) == sides.right(i, j)) continue;
@@ -121,6 +125,7 @@ class Trial {
 
   CheckResult check_;
   CheckResult::Exact exact_;
+  Eigen::Index rows_ = 0, columns_ = 0;
   double chance_ = 0;
   int needed_ = 1, discarded_in_a_row = 0;
   bool done_ = false;
