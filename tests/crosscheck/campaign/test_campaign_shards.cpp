@@ -311,18 +311,21 @@ BOOST_AUTO_TEST_CASE(what_a_campaign_has_found_stays_mended) {
 BOOST_AUTO_TEST_CASE(a_case_leaves_no_memory_behind) {
   const files::TemporaryFolder folder;
   const CampaignPlan plan = planOf(folder.path, kSmall);
-  // what is held after all cases have run once more than before; that they ran before fills what is
-  // kept for good
+  // what is held after all cases have run so many times more; that they ran before fills what is
+  // kept for good. malloc keeps some freed blocks of each size for the thread and counts them as
+  // held: 2.6 kB more or less were seen, however often the cases run.
+  constexpr int kTimes = 8;
   const auto growth = [&](const CaseRunner& runner) {
-    const auto all = [&] {
-      for (long k = 0; k < plan.cases(); ++k) runner.line(k);
+    const auto all = [&](int times) {
+      for (int time = 0; time < times; ++time)
+        for (long k = 0; k < plan.cases(); ++k) runner.line(k);
       return static_cast<long>(mallinfo2().uordblks);
     };
-    all();
-    const long before = all();
-    return all() - before;
+    const long before = all(2);
+    return all(kTimes) - before;
   };
-  BOOST_TEST(growth(runnerOf(plan)) < plan.cases() * 32);  // the least that malloc gives, a case
+  // less than the least that malloc gives, a case
+  BOOST_TEST(growth(runnerOf(plan)) < kTimes * plan.cases() * 32);
   // and one that keeps a few bytes of each is noticed
   std::vector<std::unique_ptr<std::string>> kept;
   WitnessKind keeps = compositeBodyKind();
@@ -331,7 +334,7 @@ BOOST_AUTO_TEST_CASE(a_case_leaves_no_memory_behind) {
     return compositeBodyKind().make_exact(scene, parameters);
   };
   BOOST_TEST(growth(CaseRunner(plan, "/bin/true", {newtonEulerKind(), keeps})) >=
-             plan.cases() * 100);
+             kTimes * plan.cases() * 100);
 }
 
 BOOST_AUTO_TEST_CASE(draws_prefer_mechanisms_with_rare_pairs) {
