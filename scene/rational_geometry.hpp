@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "scene/expression.hpp"
+#include "scene/rational_signs.hpp"
 
 namespace dynwitness::scene {
 
@@ -42,25 +42,58 @@ inline RationalMatrix identity() {
   return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 }
 
+using IntegerMatrix = std::array<std::array<Integer, 3>, 3>;
+
+/// The least common multiple of a rational's denominator and another number, above zero.
+inline Integer commonDenominator(const Integer& other, const Rational& x) {
+  return other % bottom(x) == 0 ? other : Integer(lcm(other, bottom(x)));
+}
+/// times a multiple of its denominator
+inline Integer scaledBy(const Integer& multiple, const Rational& x) {
+  return top(x) * (multiple / bottom(x));
+}
+
 /// Whether a symmetric matrix has no negative eigenvalue: all seven principal minors are >= 0.
-inline bool isPositiveSemidefinite(const RationalMatrix& m) {
+inline bool isPositiveSemidefinite(const IntegerMatrix& m) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
     if (m[i][i] < 0 || m[i][i] * m[j][j] < m[i][j] * m[j][i]) return false;
   }
-  return dot(m[0], cross(m[1], m[2])) >= 0;
+  const auto minor = [&](std::size_t j, std::size_t k) {
+    return Integer(m[1][j] * m[2][k] - m[1][k] * m[2][j]);
+  };
+  return m[0][0] * minor(1, 2) + m[0][1] * minor(2, 0) + m[0][2] * minor(0, 1) >= 0;
+}
+/// A common denominator changes no sign, and integers need no lowest terms.
+inline bool isPositiveSemidefinite(const RationalMatrix& m) {
+  Integer common = 1;
+  for (const RationalVector& row : m)
+    for (const Rational& element : row) common = commonDenominator(common, element);
+  IntegerMatrix scaled;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) scaled[i][j] = scaledBy(common, m[i][j]);
+  return isPositiveSemidefinite(scaled);
 }
 
 /** Some distribution of mass has this inertia about its centre: I >= 0 and J = tr(I)/2 1 - I >= 0.
     J is the triangle inequality: its eigenvalues are half of two moments less the third. */
 inline bool isRealizable(const RationalMatrix& inertia, const Rational& allowance,
                          bool* is_positive) {
-  const Rational trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
-  RationalMatrix I = inertia, J = inertia;
+  Integer common = commonDenominator(1, allowance);
+  for (const RationalVector& row : inertia)
+    for (const Rational& element : row) common = commonDenominator(common, element);
+  const Integer slack = scaledBy(common, allowance);
+  IntegerMatrix I, J;  // times the common denominator, J twice as much
   for (std::size_t i = 0; i < 3; ++i) {
-    for (Rational& element : J[i]) element = -element;
-    J[i][i] += trace / 2 + allowance;
-    I[i][i] += allowance;
+    for (std::size_t j = 0; j < 3; ++j) {
+      I[i][j] = scaledBy(common, inertia[i][j]);
+      J[i][j] = -2 * I[i][j];
+    }
+  }
+  const Integer trace = I[0][0] + I[1][1] + I[2][2];
+  for (std::size_t i = 0; i < 3; ++i) {
+    J[i][i] += trace + 2 * slack;
+    I[i][i] += slack;
   }
   *is_positive = isPositiveSemidefinite(I);
   return *is_positive && isPositiveSemidefinite(J);

@@ -533,9 +533,15 @@ void Validator::requireCarriers() {
       joints += (joints.empty() ? "" : ", ") + ('"' + joint.name + '"');
       const RationalVector z = frame(joint.placement.beforeJoint()).R * vector(*rotor.axis);
       const Rational half = value(*rotor.inertia) / 2;
-      for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t k = 0; k < 3; ++k)
-          left[j][k] -= half * ((j == k ? Rational(1) : Rational(0)) + z[j] * z[k] / dot(z, z));
+      const Rational per_square = half / dot(z, z);
+      for (std::size_t j = 0; j < 3; ++j) {
+        left[j][j] -= half;
+        for (std::size_t k = 0; k <= j; ++k) {
+          const Rational share = per_square * (z[j] * z[k]);
+          left[j][k] -= share;
+          if (j != k) left[k][j] -= share;
+        }
+      }
       size += half;
     }
     bool is_positive = false;

@@ -143,12 +143,14 @@ ClosureEquations differentiated(const std::vector<Asked>& asked, Equations& e) {
 
 ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
                                   Equations& e) {
+  if (mechanism.closures.empty()) return {};
   BodyTree tree(mechanism, options, &e.graph);
   return differentiated(closureResiduals(tree, e), e);
 }
 
 ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options& options,
                                 const std::vector<scene::Attachment>& frames, Equations& e) {
+  if (frames.empty()) return {};
   BodyTree tree(mechanism, options, &e.graph);
   std::vector<Asked> components;
   for (const scene::Attachment& at : frames) {

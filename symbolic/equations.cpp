@@ -154,9 +154,12 @@ Equations deriveForces(const scene::Mechanism& mechanism, const Options& options
   return e;
 }
 
-void addGeneralizedForces(const scene::Mechanism& mechanism, const Options& options, Equations& e) {
-  BodyTree tree(mechanism, options, &e.graph);  // finds the nodes that it made before
+Equations deriveForInverseDynamics(const scene::Mechanism& mechanism, const Options& options) {
+  Equations e;
+  BodyTree tree(mechanism, options, &e.graph);
+  formEnergies(tree, e);
   formGeneralizedForces(tree, e);
+  return e;
 }
 
 void addMassMatrix(const scene::Mechanism& mechanism, const Options& options, Equations& e) {

@@ -84,10 +84,11 @@ Equations deriveEnergies(const scene::Mechanism& mechanism, const Options& optio
 /// derive() without M, which alone takes more than O(n) operations: O(n^2) for a chain of n joints.
 Equations deriveForces(const scene::Mechanism& mechanism, const Options& options = {});
 
-/// Adds Q, or M, to what deriveEnergies() or deriveForces() made of the same mechanism with the
-/// same options.
-void addGeneralizedForces(const scene::Mechanism& mechanism, const Options& options,
-                          Equations& equations);
+/// All that inverseDynamics() takes: T, V, p and Q.
+Equations deriveForInverseDynamics(const scene::Mechanism& mechanism, const Options& options = {});
+
+/// Adds M to what deriveEnergies() or deriveForces() made of the same mechanism with the same
+/// options.
 void addMassMatrix(const scene::Mechanism& mechanism, const Options& options, Equations& equations);
 
 /// Inverse dynamics without M: tau_i = dp_i/dt - dT/dq_i + dV/dq_i - Q_i, in O(n) operations (and

@@ -18,25 +18,76 @@ Node withoutFactor(const Graph& graph, Node n) {
   return graph.op(n) == Op::kMultiply && graph.isConstant(graph.left(n)) ? graph.right(n) : n;
 }
 
+/// What is to be summed at each node, in the order in which it came: one list for all.
+class Terms {
+ public:
+  explicit Terms(int nodes) : ends_(static_cast<std::size_t>(nodes)) {}
+  void add(Node to, Node term) {
+    Ends& ends = ends_[static_cast<std::size_t>(to.index)];
+    const auto place = static_cast<int>(all_.size());
+    all_.push_back({term, -1});
+    (ends.last < 0 ? ends.first : all_[static_cast<std::size_t>(ends.last)].next) = place;
+    ends.last = place;
+  }
+  /// @return whether there are any
+  bool take(Node of, std::vector<Node>* terms) const {
+    terms->clear();
+    for (int i = ends_[static_cast<std::size_t>(of.index)].first; i >= 0;
+         i = all_[static_cast<std::size_t>(i)].next)
+      terms->push_back(all_[static_cast<std::size_t>(i)].term);
+    return !terms->empty();
+  }
+
+ private:
+  struct Ends {
+    int first = -1, last = -1;
+  };
+  struct Term {
+    Node term;
+    int next;
+  };
+  std::vector<Ends> ends_;
+  std::vector<Term> all_;
+};
+
 }  // namespace
 
-std::size_t Graph::KeyHash::operator()(const Key& k) const {
+std::size_t Graph::hashOf(const Entry& entry) {
   std::uint64_t h = 1469598103934665603u;
-  for (int part : {k.op_and_joint, k.a, k.b})
+  for (int part : {static_cast<int>(entry.op) + 16 * entry.joint, entry.a, entry.b})
     h = (h ^ static_cast<std::uint32_t>(part)) * 1099511628211u;
   return static_cast<std::size_t>(h ^ (h >> 29));
 }
 
-Graph::Graph() {
+Graph::Graph() : buckets_(256, 0) {
   constant(0);  // node 0: what a default Node means
   constant(1);  // node 1
 }
 
 Node Graph::intern(Op op, int joint, int a, int b, bool depends_on_state) {
-  const Key key{static_cast<int>(op) + 16 * joint, a, b};
-  const auto [it, is_new] = index_.try_emplace(key, size());
-  if (is_new) entries_.push_back({op, depends_on_state, joint, a, b});
-  return {it->second};
+  const Entry entry{op, depends_on_state, joint, a, b};
+  const std::size_t mask = buckets_.size() - 1;
+  std::size_t at = hashOf(entry) & mask;
+  for (; buckets_[at] != 0; at = (at + 1) & mask) {
+    const Entry& known = entries_[buckets_[at]];
+    if (known.op == op && known.joint == joint && known.a == a && known.b == b)
+      return {buckets_[at]};
+  }
+  if (op == Op::kConstant && a == 0 && !entries_.empty()) return {};
+  entries_.push_back(entry);
+  buckets_[at] = size() - 1;
+  if (2 * entries_.size() > buckets_.size()) growBuckets();
+  return {size() - 1};
+}
+
+void Graph::growBuckets() {
+  buckets_.assign(2 * buckets_.size(), 0);
+  const std::size_t mask = buckets_.size() - 1;
+  for (int i = 1; i < size(); ++i) {
+    std::size_t at = hashOf(entries_[i]) & mask;
+    while (buckets_[at] != 0) at = (at + 1) & mask;
+    buckets_[at] = i;
+  }
 }
 
 Node Graph::operation(Op op, Node a, Node b, int joint) {
@@ -236,6 +287,8 @@ Node Graph::sum(const std::vector<Node>& terms) {
   };
   std::map<int, Gathered> turns;
   std::vector<Node> rest;
+  if (terms.size() == 1 && op(terms[0]) != Op::kMultiply && op(terms[0]) != Op::kNegate)
+    return terms[0];
   for (Node term : terms) {
     bool negative = false, is_sine = false;
     int joint = 0;
@@ -272,16 +325,19 @@ std::vector<int> Graph::below(const std::vector<Node>& nodes) const {
   int last = 0;
   for (Node n : nodes) last = std::max(last, n.index);
   std::vector<char> reached(last + 1, 0);
-  for (Node n : nodes) reached[n.index] = 1;
-  for (int i = last; i >= 0; --i) {
-    if (!reached[i]) continue;
-    const int operands = operandCount({i});
-    if (operands > 0) reached[entries_[i].a] = 1;
-    if (operands > 1) reached[entries_[i].b] = 1;
-  }
   std::vector<int> result;
-  for (int i = 0; i <= last; ++i)
-    if (reached[i]) result.push_back(i);
+  const auto reach = [&](int i) {
+    if (reached[i] != 0) return;
+    reached[i] = 1;
+    result.push_back(i);
+  };
+  for (Node n : nodes) reach(n.index);
+  for (std::size_t k = 0; k < result.size(); ++k) {  // it grows
+    const int i = result[k], operands = operandCount({i});
+    if (operands > 0) reach(entries_[i].a);
+    if (operands > 1) reach(entries_[i].b);
+  }
+  std::sort(result.begin(), result.end());
   return result;
 }
 
@@ -395,16 +451,17 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
     if (operands > 1 && active[right(m).index]) active[i] = 1;
   }
 
-  std::vector<std::vector<Node>> parts(n.index + 1);  // terms of each node's adjoint
+  Terms parts(n.index + 1);  // of each node's adjoint
+  std::vector<Node> terms;
   std::vector<std::vector<Node>> results(variables.size() + atoms.size());
   const auto send = [&](Node to, Node amount) {
-    if (active[to.index] && !isZero(amount)) parts[to.index].push_back(amount);
+    if (active[to.index] && !isZero(amount)) parts.add(to, amount);
   };
-  parts[n.index].push_back(constant(1));
+  parts.add(n, constant(1));
   for (auto it = order.rbegin(); it != order.rend(); ++it) {
     const Node m{*it};
-    if (!active[*it] || parts[*it].empty()) continue;
-    const Node lambda = sum(parts[*it]);
+    if (!active[*it] || !parts.take(m, &terms)) continue;
+    const Node lambda = sum(terms);
     if (isZero(lambda)) continue;
     const Node a = left(m), b = right(m);
     switch (op(m)) {

@@ -144,15 +144,6 @@ class Graph {
     bool depends_on_state;
     int joint, a, b;
   };
-  struct Key {
-    int op_and_joint, a, b;
-    bool operator==(const Key& o) const {
-      return op_and_joint == o.op_and_joint && a == o.a && b == o.b;
-    }
-  };
-  struct KeyHash {
-    std::size_t operator()(const Key& k) const;
-  };
   /// r times node, the form in which constants are collected.
   struct Scaled {
     Rational factor;
@@ -160,6 +151,8 @@ class Graph {
   };
 
   Node intern(Op op, int joint, int a, int b, bool depends_on_state);
+  static std::size_t hashOf(const Entry& entry);
+  void growBuckets();
   Node operation(Op op, Node a, Node b, int joint = 0);
   Node scale(const Rational& factor, Node n);
   Scaled scaled(Node n) const;
@@ -173,7 +166,7 @@ class Graph {
   std::vector<int> below(const std::vector<Node>& nodes) const;
 
   std::vector<Entry> entries_;
-  std::unordered_map<Key, int, KeyHash> index_;
+  std::vector<int> buckets_;  ///< of entries, found by hash; 0 (the number 0, found first): empty
   std::vector<Rational> constants_;
   std::unordered_map<Rational, int> constant_index_;  ///< hashed: to order rationals is to multiply
   std::vector<Atom> atoms_;

@@ -1,13 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "symbolic/program.hpp"
 
+#include <cstdint>
 #include <map>
 #include <set>
-#include <tuple>
 
 namespace dynwitness::symbolic {
 
 namespace {
+
+/// The slot of each operation; -1 where there is none yet.
+class Emitted {
+ public:
+  int& operator[](Program::Instruction i) {
+    if (2 * count_ >= known_.size()) grow();
+    i.result = -1;
+    Program::Instruction& place = placeOf(i);
+    if (place.a < 0) {
+      place = i;
+      ++count_;
+    }
+    return place.result;
+  }
+
+ private:
+  /// Where it is, or the empty place (a = -1) where it would be.
+  Program::Instruction& placeOf(const Program::Instruction& i) {
+    std::uint64_t h = 1469598103934665603u;
+    for (const int part : {static_cast<int>(i.code), i.a, i.b})
+      h = (h ^ static_cast<std::uint32_t>(part)) * 1099511628211u;
+    std::size_t at = static_cast<std::size_t>(h ^ (h >> 29)) & (known_.size() - 1);
+    const auto isOther = [&i](const Program::Instruction& other) {
+      return other.a >= 0 && (other.code != i.code || other.a != i.a || other.b != i.b);
+    };
+    while (isOther(known_[at])) at = (at + 1) & (known_.size() - 1);
+    return known_[at];
+  }
+  void grow() {
+    std::vector<Program::Instruction> old(2 * known_.size(), kEmpty);
+    old.swap(known_);
+    for (const Program::Instruction& i : old)
+      if (i.a >= 0) placeOf(i) = i;
+  }
+
+  static constexpr Program::Instruction kEmpty{Program::Code::kAdd, -1, -1, -1};
+  std::vector<Program::Instruction> known_ = std::vector<Program::Instruction>(256, kEmpty);
+  std::size_t count_ = 0;
+};
 
 /// Lowers nodes to instructions: a turn becomes two products and a sum, a sign moves into the sum
 /// that uses it.
@@ -98,12 +137,12 @@ class Compiler {
   int emit(Program::Code code, int a, int b, bool in_body, const std::string& name = "") {
     const bool commutes = code == Program::Code::kAdd || code == Program::Code::kMultiply;
     if (commutes && b < a) std::swap(a, b);
-    const auto [it, is_new] = emitted_.emplace(std::make_tuple(code, a, b), 0);
-    if (is_new) {
-      it->second = newSlot(name);
-      (in_body ? program_.body : program_.prologue).push_back({code, it->second, a, b});
+    int& slot = emitted_[{code, 0, a, b}];
+    if (slot < 0) {
+      slot = newSlot(name);
+      (in_body ? program_.body : program_.prologue).push_back({code, slot, a, b});
     }
-    return it->second;
+    return slot;
   }
 
   void lower(Node n) {
@@ -151,7 +190,7 @@ class Compiler {
   std::vector<int> slot_of_;
   std::map<std::pair<Input, int>, int> load_of_;
   std::set<int> uses_trig_;
-  std::map<std::tuple<Program::Code, int, int>, int> emitted_;
+  Emitted emitted_;
 };
 
 }  // namespace

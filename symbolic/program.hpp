@@ -61,7 +61,7 @@ class ProgramRun {
     const T zero = number(scene::Number(0));
     slots_.assign(program.slots, zero);
     std::size_t slot = 0;
-    for (const Rational& r : program.constants) slots_[slot++] = number(scene::Number(r));
+    for (const Rational& r : program.constants) slots_[slot++] = rational(number, r, 0);
     for (const Atom& a : program.atoms) slots_[slot++] = atomValue(a, number);
     for (const Program::Load& load : program.loads)
       if (load.input == Input::kRotation) rotations_.emplace(load.joint / 9, std::array<T, 9>());
@@ -119,6 +119,17 @@ class ProgramRun {
   }
 
  private:
+  /// Where numbers take rationals as they are, no text is made of them first.
+  template <typename Numbers>
+  static auto rational(const Numbers& number, const Rational& value, int)
+      -> decltype(T(number.rational(value))) {
+    return number.rational(value);
+  }
+  template <typename Numbers>
+  static T rational(const Numbers& number, const Rational& value, long) {
+    return number(scene::Number(value));
+  }
+
   template <typename Numbers>
   static T atomValue(const Atom& atom, const Numbers& number) {
     switch (atom.kind) {

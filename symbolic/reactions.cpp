@@ -62,18 +62,16 @@ class Closed {
     std::vector<Node> waiting = {n};
     while (!waiting.empty()) {
       const Node m = waiting.back();
-      std::vector<Node> missing;
+      const std::size_t before = waiting.size();
       if (!known_[m.index]) {
         const int operands = from_.operandCount(m);
-        if (operands > 0 && !known_[from_.left(m).index]) missing.push_back(from_.left(m));
-        if (operands > 1 && !known_[from_.right(m).index]) missing.push_back(from_.right(m));
+        if (operands > 0 && !known_[from_.left(m).index]) waiting.push_back(from_.left(m));
+        if (operands > 1 && !known_[from_.right(m).index]) waiting.push_back(from_.right(m));
       }
-      if (missing.empty()) {
-        if (!known_[m.index]) image_[m.index] = made(m);
-        known_[m.index] = 1;
-        waiting.pop_back();
-      }
-      waiting.insert(waiting.end(), missing.begin(), missing.end());
+      if (waiting.size() > before) continue;
+      if (!known_[m.index]) image_[m.index] = made(m);
+      known_[m.index] = 1;
+      waiting.pop_back();
     }
     return image_[n.index];
   }
@@ -145,8 +143,7 @@ Reactions reactionsAlong(const scene::Mechanism& mechanism, const Options& optio
   const Freed cut = freed(mechanism);
   std::vector<scene::Attachment> let_go = frames;
   for (scene::Attachment& frame : let_go) frame.link = cut.link[frame.link];
-  Equations e = deriveEnergies(cut.mechanism, options);
-  addGeneralizedForces(cut.mechanism, options, e);
+  Equations e = deriveForInverseDynamics(cut.mechanism, options);
   const std::vector<Node> all = inverseDynamics(e);
   const ClosureEquations closures = closureEquations(cut.mechanism, options, e),
                          places = frameEquations(cut.mechanism, options, let_go, e);

@@ -42,7 +42,7 @@ InertialSymbols inertialSymbols(const scene::Mechanism& given) {
       value += " / (" + link.joint.gear_ratio.text() + ")^2";  // it is n^2 J
     *numbers[static_cast<int>(kind)] = scene::Number::parse(value);
   }
-  out.equations = derive(out.mechanism);
+  out.equations = deriveForInverseDynamics(out.mechanism);
   for (std::size_t j = 0; j < out.parameters.size(); ++j)
     out.symbols.push_back(out.equations.graph.atom(
         {Atom::Kind::kNumber, scene::Number::parse(symbol(j)), {}, symbol(j)}));

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <map>
 #include <new>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include "crosscheck/campaign/shard_ledger.hpp"
 #include "crosscheck/campaign/smaller.hpp"
 #include "crosscheck/conductor/crosscheck.hpp"
+#include "crosscheck/exact/small_state.hpp"
 #include "crosscheck/inputs/feature_pairs.hpp"
 #include "crosscheck/system/children.hpp"
 #include "crosscheck/system/shell.hpp"
@@ -39,12 +42,30 @@ bool hasCause(const std::vector<CheckResult>& checks, const std::string& cause) 
 }
 
 /// A bit each, four a digit.
-std::string hexOf(const std::vector<int>& pairs) {
-  std::string digits(static_cast<std::size_t>(pairCount() + 3) / 4, '0');
+/// @param count  of all that there are
+std::string hexOf(const std::vector<int>& set, int count) {
+  std::string digits(static_cast<std::size_t>(count + 3) / 4, '0');
   std::vector<int> values(digits.size(), 0);
-  for (const int pair : pairs) values[static_cast<std::size_t>(pair) / 4] |= 8 >> (pair % 4);
+  for (const int bit : set) values[static_cast<std::size_t>(bit) / 4] |= 8 >> (bit % 4);
   for (std::size_t k = 0; k < digits.size(); ++k) digits[k] = "0123456789abcdef"[values[k]];
   return digits;
+}
+
+/// Which of exactCheckNames() were decided, had nothing to ask, were not answerable.
+Json lawsOf(const RandomCampaign& found) {
+  const std::vector<std::string>& names = exactCheckNames();
+  std::vector<int> met[3];
+  for (const auto& [law, counts] : found.by_law) {
+    const auto it = std::find(names.begin(), names.end(), law);
+    if (it == names.end())
+      throw std::logic_error("case_runner: exactCheckNames() lacks \"" + law + '"');
+    for (std::size_t k = 0; k < counts.size(); ++k)
+      if (counts[k] > 0) met[k].push_back(static_cast<int>(it - names.begin()));
+  }
+  const auto count = static_cast<int>(names.size());
+  return {{"decided", hexOf(met[0], count)},
+          {"idle", hexOf(met[1], count)},
+          {"not_answerable", hexOf(met[2], count)}};
 }
 
 /// How many moving joints carry the farthest link, and the most that stand on one link.
@@ -73,21 +94,53 @@ Verdict verdictOf(const std::vector<RandomCampaign::Failure>& failures) {
   return out;
 }
 
+/// Where an exact check shows it; what only shows in double has none.
+std::optional<FoundState> smallStateOf(const scene::Scene& scene, const std::string& cause,
+                                       const CampaignOptions& options) {
+  CampaignOptions exactly = options;
+  exactly.in_double.clear();
+  return smallestState(scene.mechanism, options.exact.seed, [&](const SmallState& state) {
+    exactly.exact.at = [&](const FieldNumbers& number, scene::State<PrimeField>& at) {
+      putInto(state, scene.mechanism, number, at);
+    };
+    return hasCause(disagreementsAbout(scene, exactly).checks, cause);
+  });
+}
+
+/// As the scene's own start, where any position is one: not of closed loops, nor of followers.
+void startAt(const SmallState& state, scene::Scene* scene) {
+  if (!scene->mechanism.closures.empty() || scene->mechanism.hasMimics()) return;
+  scene->start_q = positionsOf(state, scene->mechanism);
+  scene->start_qd.assign(state.qd.begin(), state.qd.end());
+}
+
+Json stateJson(const FoundState& found, const scene::Mechanism& mechanism) {
+  Json positions = Json::array();
+  for (const scene::Number& q : positionsOf(found.state, mechanism)) positions.push_back(q.text());
+  return {{"q", positions},
+          {"qd", found.state.qd},
+          {"qdd", found.state.qdd},
+          {"tau", found.state.tau},
+          {"trials", found.trials}};
+}
+
 void addFailure(const RandomCampaign::Failure& failure, const CampaignOptions& options,
                 Json* record) {
   const std::string cause = causeOf(failure.checks.front());
   (*record)["cause"] = cause;
   (*record)["failure"] = describeFailure(failure);
-  const SmallerScene small = smaller(
+  SmallerScene small = smaller(
       failure.scene,
       [&](const scene::Scene& one) {
-        return one.mechanism.dof() > 0 &&  // else there is nothing to ask
-               hasCause(disagreementsAbout(one, options).checks, cause);
+        return hasCause(disagreementsAbout(one, options).checks, cause);
       },
       kMostTrials);
+  const std::optional<FoundState> found = smallStateOf(small.scene, cause, options);
+  if (found) startAt(found->state, &small.scene);
   (*record)["small"] = {{"scene", scene::writeSceneToml(small.scene)},
                         {"trials", small.trials},
                         {"is_smallest", small.is_smallest}};
+  if (found) (*record)["small"]["state"] = stateJson(*found, small.scene.mechanism);
 }
 
 Json mechanismRecord(const CampaignPart& part, int index, const CampaignOptions& options) {
@@ -105,7 +158,8 @@ Json mechanismRecord(const CampaignPart& part, int index, const CampaignOptions&
               {"not_answerable", found.not_answerable},
               {"chance", found.error_probability},
               {"comparisons", found.comparisons},
-              {"pairs", hexOf(pairsOf(scene.mechanism))}};
+              {"laws", lawsOf(found)},
+              {"pairs", hexOf(pairsOf(scene.mechanism), pairCount())}};
   for (const RandomCampaign::Failure& failure : found.failures) {
     // the mechanism of plain joints that is asked about besides is another one
     if (failure.scene.name != scene.name && found.failures.size() > 1) continue;

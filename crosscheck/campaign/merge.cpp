@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/campaign/shard.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "crosscheck/report/pairs.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
@@ -100,14 +101,15 @@ class Records {
   int open_ = 0;
 };
 
-std::vector<int> pairsOfHex(const std::string& digits) {
-  std::vector<int> pairs;
-  for (int k = 0; k < pairCount(); ++k) {
-    const char digit = digits.at(static_cast<std::size_t>(k) / 4);
+/// What stands in a record as a bit each, four a digit.
+std::vector<int> bitsOfHex(const std::string& digits) {
+  std::vector<int> set;
+  for (int k = 0; k < 4 * static_cast<int>(digits.size()); ++k) {
+    const char digit = digits[static_cast<std::size_t>(k) / 4];
     const int value = digit <= '9' ? digit - '0' : digit - 'a' + 10;
-    if ((value & (8 >> (k % 4))) != 0) pairs.push_back(k);
+    if ((value & (8 >> (k % 4))) != 0) set.push_back(k);
   }
-  return pairs;
+  return set;
 }
 
 /// By pair: its two features.
@@ -144,10 +146,18 @@ void addMechanism(const Json& record, CampaignSum* sum) {
   ++met.rates[record.at("rates").get<int>()];
   ++met.depths[record.at("depth").get<int>()];
   ++met.branches[record.at("branches").get<int>()];
-  const std::vector<int> pairs = pairsOfHex(record.at("pairs").get<std::string>());
+  const std::vector<int> pairs = bitsOfHex(record.at("pairs").get<std::string>());
   met.pairs.add(record.at("name").get<std::string>(), pairs);
   if (agrees)
     for (const std::string& term : termsOf(pairs)) ++met.terms[term];
+  const std::vector<std::string>& names = exactCheckNames();
+  for (const std::string& name : names) met.laws[name];  // with zeros
+  std::size_t k = 0;
+  for (const char* how : {"decided", "idle", "not_answerable"}) {
+    for (const int law : bitsOfHex(record.at("laws").at(how).get<std::string>()))
+      ++met.laws[names.at(static_cast<std::size_t>(law))][k];
+    ++k;
+  }
 }
 
 void addRecord(const std::string& text, CampaignSum* sum) {
@@ -183,6 +193,16 @@ std::string indented(const std::string& text) {
   std::string out = "  ";
   for (const char c : text) out += c == '\n' ? std::string("\n  ") : std::string(1, c);
   return out;
+}
+
+std::string smallStateText(const Json& state) {
+  const auto row = [&](const char* name) {
+    std::vector<std::string> entries;
+    for (const Json& entry : state.at(name))
+      entries.push_back(entry.is_string() ? entry.get<std::string>() : entry.dump());
+    return fmt::format("{} = [{}]", name, fmt::join(entries, ", "));
+  };
+  return fmt::format("  at {}, {}, {}, {}\n", row("q"), row("qd"), row("qdd"), row("tau"));
 }
 
 }  // namespace
@@ -299,13 +319,19 @@ std::string campaignSumJson(const GatheredLedgers& gathered, const CampaignSum& 
   for (const auto& [of, verdicts] : sum.of)
     for (const auto& [verdict, count] : verdicts)
       json["verdicts"].push_back({{"of", of}, {"verdict", verdict}, {"count", count}});
-  json["coverage"] = {
-      {"kinds", listOf(met.kinds, "kind")},         {"rates", listOf(met.rates, "rates")},
-      {"depths", listOf(met.depths, "depth")},      {"branches", listOf(met.branches, "branch")},
-      {"pairs", Json::parse(pairsJson(met.pairs))}, {"terms", Json::array()}};
+  json["coverage"] = {{"kinds", listOf(met.kinds, "kind")},
+                      {"rates", listOf(met.rates, "rates")},
+                      {"depths", listOf(met.depths, "depth")},
+                      {"branches", listOf(met.branches, "branch")},
+                      {"pairs", Json::parse(pairsJson(met.pairs))},
+                      {"terms", Json::array()},
+                      {"laws", Json::array()}};
   for (const auto& [term, count] : met.terms)
     json["coverage"]["terms"].push_back(
         {{"term", term}, {"mechanisms", count}, {"share_at_most", shareAtMostOf(count)}});
+  for (const auto& [law, counts] : met.laws)
+    json["coverage"]["laws"].push_back(
+        {{"law", law}, {"decided", counts[0]}, {"idle", counts[1]}, {"not_answerable", counts[2]}});
   json["causes"] = Json::array();
   for (const auto& [text, cause] : sum.causes)
     json["causes"].push_back({{"cause", text},
@@ -343,6 +369,11 @@ std::string describeSum(const GatheredLedgers& gathered, const CampaignSum& sum)
         "differ, at most (95 %):\n";
     for (const auto& [term, count] : met.terms)
       text += fmt::format("  {:34} {:7}  {:.1e}\n", term, count, shareAtMostOf(count));
+    text +=
+        "mechanisms by exact check: where it was decided, had nothing to ask, was not "
+        "answerable:\n";
+    for (const auto& [law, counts] : met.laws)
+      text += fmt::format("  {:42} {:7} {:7} {:7}\n", law, counts[0], counts[1], counts[2]);
     if (sum.shareAtMost() < 1)
       text += fmt::format(
           "of all mechanisms that are drawn like these at most {:.2g} have formulas that differ, "
@@ -353,11 +384,14 @@ std::string describeSum(const GatheredLedgers& gathered, const CampaignSum& sum)
     const Json record = Json::parse(cause.record);
     text += fmt::format("\n{}: {} case{}, the first is {}\n", name, cause.cases,
                         cause.cases == 1 ? "" : "s", cause.first);
-    if (record.contains("small"))
+    if (record.contains("small")) {
+      const Json& small = record.at("small");
       text += "  the smallest scene that shows it:\n" +
-              indented(record.at("small").at("scene").get<std::string>()) + "\n";
-    else if (record.contains("failure"))
+              indented(small.at("scene").get<std::string>()) + "\n";
+      if (small.contains("state")) text += smallStateText(small.at("state"));
+    } else if (record.contains("failure")) {
       text += indented(record.at("failure").get<std::string>()) + "\n";
+    }
   }
   for (const std::string& one : gathered.left_out) text += fmt::format("left out: {}\n", one);
   if (gathered.twice > 0)

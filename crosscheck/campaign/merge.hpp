@@ -2,6 +2,7 @@
 // What all shards of a campaign have found together.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -42,6 +43,9 @@ struct CampaignCoverage {
   /// Mechanisms that agree and have this feature, and with it the terms that it brings into the
   /// equations. (All features of one stand in pairs, since it has gravity or has none.)
   std::map<std::string, long> terms;
+  /// Mechanisms by each of exactCheckNames(): where it was decided, where there was nothing to ask,
+  /// where it was not answerable. What was never met stands there with zeros.
+  std::map<std::string, std::array<long, 3>> laws;
 };
 
 /** Where n independent draws agree: at most this share of all that are drawn so would not, said

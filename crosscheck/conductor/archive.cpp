@@ -80,7 +80,7 @@ void from_json(const nlohmann::json& from, RandomCampaign::Failure& to) {
   from.at("findings").get_to(to.findings);
 }
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RandomCampaign, mechanisms, joints, checks, not_answerable,
-                                   error_probability, plain, comparisons, asked, unanswered,
+                                   by_law, error_probability, plain, comparisons, asked, unanswered,
                                    failures)
 
 std::string archived(const SceneResult& result) {

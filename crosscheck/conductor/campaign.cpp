@@ -23,9 +23,11 @@ void checkExactly(const PreparedScene& scene, const ExactOptions& options, Rando
                   RandomCampaign::Failure& failure) {
   const std::vector<CheckResult> checks = exactChecks(scene, options);
   for (const CheckResult& check : checks) {
+    const bool is_open = check.verdict == Verdict::kNotAnswerable;
+    ++campaign.by_law[check.name()][check.is_idle ? 1 : is_open ? 2 : 0];
     if (check.is_idle) continue;  // a single body has no other root
     if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
-    if (check.verdict == Verdict::kNotAnswerable) {
+    if (is_open) {
       ++campaign.not_answerable;
       continue;
     }
@@ -112,6 +114,8 @@ void append(RandomCampaign& all, RandomCampaign more) {
   all.joints += more.joints;
   all.checks += more.checks;
   all.not_answerable += more.not_answerable;
+  for (const auto& [law, counts] : more.by_law)
+    for (std::size_t k = 0; k < counts.size(); ++k) all.by_law[law][k] += counts[k];
   all.error_probability = std::max(all.error_probability, more.error_probability);
   all.plain += more.plain;
   all.comparisons += more.comparisons;

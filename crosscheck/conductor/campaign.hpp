@@ -2,6 +2,7 @@
 // Campaigns over mechanisms that nobody chose: exact checks, and every witness in double.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <string>
@@ -32,8 +33,10 @@ struct RandomCampaign {
   int mechanisms = 0, joints = 0;  ///< how many were checked, and their moving joints together
   int checks = 0;                  ///< residuals that are zero, or are not
   int not_answerable = 0;          ///< of them
-  double error_probability = 0;    ///< the largest of all checks
-  int plain = 0;                   ///< mechanisms of plain joints besides, in double
+  /// Exact checks by CheckResult::name(): decided, with nothing to ask, not answerable.
+  std::map<std::string, std::array<int, 3>> by_law;
+  double error_probability = 0;  ///< the largest of all checks
+  int plain = 0;                 ///< mechanisms of plain joints besides, in double
   long comparisons = 0;  ///< in double: of two witnesses, or of one and the truth, at a state
   std::map<std::string, int>
       asked;  ///< how many mechanisms each witness was asked about, in double

@@ -42,6 +42,7 @@ class Trial {
     check_.is_idle = sides.is_idle;
     if (!sides.failure.empty()) return giveUp(sides.failure, true);
     if (!sameShape(sides)) return;
+    rows_ = sides.left.rows(), columns_ = sides.left.cols();
     double chance = 0;
     for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
       for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
@@ -70,6 +71,9 @@ class Trial {
     discarded_in_a_row = 0;
     ++exact_.points;
     if (!sameShape(sides)) return;
+    if (sides.left.rows() != rows_ || sides.left.cols() != columns_)  // as what was not asked has
+      return disagree(fmt::format("at point {} it has {} x {} entries, and {} x {} as a formula",
+                                  index, sides.left.rows(), sides.left.cols(), rows_, columns_));
     for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
       for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
         if (sides.left(i, j) == sides.right(i, j)) continue;
@@ -121,6 +125,7 @@ class Trial {
 
   CheckResult check_;
   CheckResult::Exact exact_;
+  Eigen::Index rows_ = 0, columns_ = 0;
   double chance_ = 0;
   int needed_ = 1, discarded_in_a_row = 0;
   bool done_ = false;
@@ -136,8 +141,13 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
     const FieldSource source(scene.name, options.seed, index);
     SidesOfAll sides(trials.size());
     try {
-      sides = inquiry.ask(FieldNumbers(scene.mechanism, source, options.parameters),
-                          indeterminateState(scene.mechanism, source, options.parameters));
+      const FieldNumbers number(scene.mechanism, source, options.parameters);
+      scene::State<PrimeField> state =
+          indeterminateState(scene.mechanism, source, options.parameters);
+      if (options.at) options.at(number, state);
+      std::vector<char> wanted;
+      for (const Trial& trial : trials) wanted.push_back(trial.done() ? 0 : 1);
+      sides = inquiry.sidesOf(number, state, wanted);
     } catch (const DivisionByZero& error) {  // sized: as a formula; else the prime divides a number
       for (TwoSides<PrimeField>& failed : sides) failed.failure = error.what();
     }
@@ -185,7 +195,7 @@ std::vector<Pair> pairsOf(const std::vector<ExactWitness>& witnesses) {
 
 /// What all witnesses say about all quantities, asked once each, then pair by pair.
 SidesOfAll ask(const std::vector<Pair>& pairs, const std::vector<ExactWitness::Answers>& witnesses,
-               const scene::State<PrimeField>& state) {
+               const scene::State<PrimeField>& state, const std::vector<char>& wanted) {
   struct Testimony {
     MatrixX<PrimeField> answer;
     std::string failure;
@@ -204,6 +214,10 @@ SidesOfAll ask(const std::vector<Pair>& pairs, const std::vector<ExactWitness::A
   };
   SidesOfAll all;
   for (const Pair& pair : pairs) {
+    if (wanted[all.size()] == 0) {
+      all.emplace_back();
+      continue;
+    }
     const Testimony &left = hear(pair.quantity, pair.left),
                     &right = hear(pair.quantity, pair.right);
     all.push_back({left.answer, right.answer, left.failure.empty() ? right.failure : left.failure});
@@ -228,10 +242,19 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
         fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
     inquiry.checks.push_back(check);
   }
-  inquiry.ask = [=](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+  inquiry.ask_wanted = [=](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                           const std::vector<char>& wanted) {
+    std::vector<char> heard(witnesses.size(), 0);
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      if (wanted[k] != 0) heard[pairs[k].left] = heard[pairs[k].right] = 1;
     std::vector<ExactWitness::Answers> built;
-    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_field(number));
-    return ask(pairs, built, state);
+    for (std::size_t w = 0; w < witnesses.size(); ++w)
+      built.push_back(heard[w] != 0 ? witnesses[w].in_field(number) : ExactWitness::Answers());
+    return ask(pairs, built, state, wanted);
+  };
+  inquiry.ask = [some = inquiry.ask_wanted, count = pairs.size()](
+                    const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    return some(number, state, std::vector<char>(count, 1));
   };
   return inquiry;
 }
@@ -302,11 +325,21 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
 Inquiry both(const Inquiry& a, const Inquiry& b) {
   Inquiry inquiry{a.checks, {}};
   inquiry.checks.insert(inquiry.checks.end(), b.checks.begin(), b.checks.end());
-  inquiry.ask = [left = a.ask, right = b.ask](const FieldNumbers& number,
-                                              const scene::State<PrimeField>& state) {
-    SidesOfAll sides = left(number, state);
-    for (auto& more : right(number, state)) sides.push_back(std::move(more));
+  inquiry.ask_wanted = [a, b](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                              const std::vector<char>& wanted) {
+    const auto middle = wanted.begin() + static_cast<std::ptrdiff_t>(a.checks.size());
+    const auto of = [&](const Inquiry& one, const std::vector<char>& of_one) {
+      return std::count(of_one.begin(), of_one.end(), 0) == static_cast<long>(of_one.size())
+                 ? SidesOfAll(of_one.size())
+                 : one.sidesOf(number, state, of_one);
+    };
+    SidesOfAll sides = of(a, {wanted.begin(), middle});
+    for (auto& more : of(b, {middle, wanted.end()})) sides.push_back(std::move(more));
     return sides;
+  };
+  inquiry.ask = [some = inquiry.ask_wanted, count = inquiry.checks.size()](
+                    const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    return some(number, state, std::vector<char>(count, 1));
   };
   return inquiry;
 }

@@ -25,6 +25,8 @@ struct ExactOptions {
   /// Those to compare, among them such as do not compute exactly; empty: all. The identities are
   /// laws of our sweeps and hold whoever is compared.
   std::vector<WitnessKind> witnesses = {};
+  /// Where not empty, it changes the state of every point: to ask at one state alone.
+  std::function<void(const FieldNumbers&, scene::State<PrimeField>&)> at = {};
 };
 
 /// The witnesses of these kinds that compute exactly and do not refuse; a kernel is not asked for
@@ -51,6 +53,9 @@ std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
 std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
                                                  const scene::Mechanism* derived = nullptr);
+
+/// CheckResult::name() of all exact checks that random mechanisms are asked, each once.
+const std::vector<std::string>& exactCheckNames();
 
 /// "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass at most
 /// 3e-34"

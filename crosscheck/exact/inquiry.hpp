@@ -18,6 +18,17 @@ using SidesOfAll = std::vector<TwoSides<PrimeField>>;
 struct Inquiry {
   std::vector<CheckResult> checks;  ///< what is asked, in words
   std::function<SidesOfAll(const FieldNumbers&, const scene::State<PrimeField>&)> ask;
+  /// The same of those that are wanted, one entry a check, where the others need not be computed:
+  /// checks that have enough points are not asked at those that others need. May be empty.
+  std::function<SidesOfAll(const FieldNumbers&, const scene::State<PrimeField>&,
+                           const std::vector<char>& wanted)>
+      ask_wanted = {};
+
+  /// By ask_wanted() where there is one.
+  SidesOfAll sidesOf(const FieldNumbers& number, const scene::State<PrimeField>& state,
+                     const std::vector<char>& wanted) const {
+    return ask_wanted ? ask_wanted(number, state, wanted) : ask(number, state);
+  }
 };
 
 /// The identities of identities.hpp; the mechanism must outlive it.

@@ -17,6 +17,10 @@
 #define DYNWITNESS_IDENTITIES(PREFIX, T)                                              \
   PREFIX template std::vector<TwoSides<T>> Identities::sides(const scene::Mechanism&, \
                                                              SweptMechanism<T>&)
+
+#define DYNWITNESS_WANTED_IDENTITIES(PREFIX, T)                     \
+  PREFIX template std::vector<TwoSides<T>> Identities::wantedSides( \
+      const scene::Mechanism&, SweptMechanism<T>&, const std::vector<char>&)
 // NOLINTEND(bugprone-macro-parentheses)
 
 namespace dynwitness::crosscheck {
@@ -27,5 +31,6 @@ DYNWITNESS_SWEPT(extern, Ball, BallNumbers);
 DYNWITNESS_IDENTITIES(extern, Ball);
 DYNWITNESS_SWEPT(extern, PrimeField, FieldNumbers);
 DYNWITNESS_IDENTITIES(extern, PrimeField);
+DYNWITNESS_WANTED_IDENTITIES(extern, PrimeField);
 
 }  // namespace dynwitness::crosscheck

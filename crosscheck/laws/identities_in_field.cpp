@@ -5,5 +5,6 @@
 namespace dynwitness::crosscheck {
 
 DYNWITNESS_IDENTITIES(, PrimeField);
+DYNWITNESS_WANTED_IDENTITIES(, PrimeField);
 
 }  // namespace dynwitness::crosscheck

@@ -70,6 +70,10 @@ struct Laws {
   template <typename Subject>
   static std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> sides(
       const scene::Mechanism& mechanism, Subject&& at);
+  /// The same of some of them: one a law that words() lists, empty where it is not wanted.
+  template <typename Subject>
+  static std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> wantedSides(
+      const scene::Mechanism& mechanism, Subject&& at, const std::vector<char>& wanted);
 
  private:
   template <typename One, typename Subject, typename T>
@@ -82,6 +86,15 @@ struct Laws {
       out.push_back({{}, {}, error.what()});
     }
   }
+  template <typename One, typename Subject, typename T>
+  static void appendWanted(const scene::Mechanism& mechanism, Subject& at,
+                           const std::vector<char>& wanted, std::vector<TwoSides<T>>& out) {
+    if (!One::appliesTo(mechanism)) return;
+    if (wanted[out.size()] == 0)
+      out.emplace_back();
+    else
+      append<One>(mechanism, at, out);
+  }
 };
 
 // not in the struct: what is inline is compiled in every file, extern or not
@@ -91,6 +104,15 @@ std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> Laws<SomeLaw...>::
     const scene::Mechanism& mechanism, Subject&& at) {
   std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> out;
   (append<SomeLaw>(mechanism, at, out), ...);
+  return out;
+}
+
+template <typename... SomeLaw>
+template <typename Subject>
+std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> Laws<SomeLaw...>::wantedSides(
+    const scene::Mechanism& mechanism, Subject&& at, const std::vector<char>& wanted) {
+  std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> out;
+  (appendWanted<SomeLaw>(mechanism, at, wanted, out), ...);
   return out;
 }
 

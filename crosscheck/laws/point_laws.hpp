@@ -35,15 +35,13 @@ recursive::PointMotion<T> pointByMatrices(HomogeneousModel<T>& model, const scen
     out.angular = {turn(2, 1), turn(0, 2), turn(1, 0)};
     return out;
   };
-  // Wd of the body at these rates, which is linear in them
-  const auto first = [&](const std::vector<T>& rates) {
-    model.kinetic(state.x, rates);
-    return model.rates()[body];
-  };
+  model.place(state.x);
   recursive::PointMotion<T> out;
-  const Matrix4<T> Wd = first(state.qd), W = model.places()[body];
+  const auto moved = model.partialsOf(body, state.qd, state.qd);
+  const Matrix4<T>&Wd = moved.first, W = model.places()[body];
   const Matrix3 R_W = R(W), back = R_W.transpose(), back_rate = R(Wd).transpose();
-  const Matrix4<T> Wdd = model.secondPartials(state.x, state.qd, state.qd)[body] + first(state.qdd);
+  // Wd is linear in the rates
+  const Matrix4<T> Wdd = moved.second + model.partialsOf(body, state.qd, state.qdd).first;
   out.R = R_W * R(model.after_of_link[link]);
   out.position = (W * x).template head<3>();
   out.velocity = of(Wd, R(Wd) * back);
@@ -52,7 +50,7 @@ recursive::PointMotion<T> pointByMatrices(HomogeneousModel<T>& model, const scen
   std::vector<T> unit(state.qd.size(), T(0));
   for (std::size_t k = 0; k < unit.size(); ++k) {
     unit[k] = T(1);
-    const Matrix4<T> W_k = first(unit), rate = model.secondPartials(state.x, state.qd, unit)[body];
+    const auto [W_k, rate] = model.partialsOf(body, state.qd, unit);
     unit[k] = T(0);
     const auto column = static_cast<Eigen::Index>(k);
     out.J.col(column) = of(W_k, R(W_k) * back).vector();

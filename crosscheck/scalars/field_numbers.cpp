@@ -66,6 +66,7 @@ FieldNumbers::FieldNumbers(const scene::Mechanism& mechanism, FieldSource source
     : values_(mechanism.parameterValues()), source_(std::move(source)), parameters_(parameters) {}
 
 PrimeField FieldNumbers::operator()(const scene::Number& number) const {
+  if (number.kind() == scene::Number::Kind::kNumber) return source_.constant(number.number());
   if (!isKnown(number)) return scene::evaluateIn<PrimeField>(number, Algebra{source_});
   const scene::Exact exact = exactly(number);
   const PrimeField value = source_.constant(exact.rational);

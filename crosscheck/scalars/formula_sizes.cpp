@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 
@@ -22,13 +23,92 @@ double bitsOf(const scene::Integer& n) {
 
 }  // namespace
 
-FormulaSizes::FormulaSizes() : outer_(PrimeField::sizes_), denominators_{{{}, {0, 0}}} {
+FormulaSizes::FormulaSizes()
+    : outer_(PrimeField::sizes_),
+      values_(1),
+      buckets_(1 << 12, 0),
+      memory_(1 << 14),
+      denominators_{{{}, {0, 0}}} {
   index_[{}] = 0;
   PrimeField::sizes_ = this;
 }
 
+// ---- sizes, each kept once ----------------------------------------------------------------------
+
+namespace {
+
+std::uint64_t mixed(std::uint64_t h) {
+  h *= 0x9e3779b97f4a7c15u;
+  return h ^ (h >> 32);
+}
+
+std::uint64_t hashOf(double degree, double bits, int denominator) {
+  std::uint64_t words[2];
+  static_assert(sizeof(double) == sizeof(words[0]));
+  std::memcpy(&words[0], &degree, sizeof degree);
+  std::memcpy(&words[1], &bits, sizeof bits);
+  return mixed(mixed(mixed(words[0]) ^ words[1]) ^ static_cast<std::uint64_t>(denominator));
+}
+
+}  // namespace
+
+std::uint64_t FormulaSizes::kept(const Value& value) {
+  const std::uint64_t mask = buckets_.size() - 1;
+  std::uint64_t at = hashOf(value.degree, value.bits, value.denominator) & mask;
+  for (; buckets_[at] != 0; at = (at + 1) & mask) {
+    const Value& other = values_[buckets_[at]];
+    if (other.degree == value.degree && other.bits == value.bits &&
+        other.denominator == value.denominator)
+      return buckets_[at];
+  }
+  const std::uint64_t index = values_.size();
+  if (index >> (64 - kOperationBits) != 0)
+    throw std::length_error("FormulaSizes: more than 2^28 sizes of formulas");
+  values_.push_back(value);
+  buckets_[at] = static_cast<std::uint32_t>(index);
+  if (2 * values_.size() > buckets_.size()) growBuckets();
+  return index;
+}
+
+void FormulaSizes::growBuckets() {
+  buckets_.assign(2 * buckets_.size(), 0);
+  const std::uint64_t mask = buckets_.size() - 1;
+  for (std::size_t i = 1; i < values_.size(); ++i) {
+    std::uint64_t at = hashOf(values_[i].degree, values_[i].bits, values_[i].denominator) & mask;
+    while (buckets_[at] != 0) at = (at + 1) & mask;
+    buckets_[at] = static_cast<std::uint32_t>(i);
+  }
+}
+
+std::uint64_t FormulaSizes::remembered(Made made, std::uint64_t a, std::uint64_t b) {
+  if (b < a) std::swap(a, b);
+  const std::uint64_t key = a << 32 | b << 1 | static_cast<std::uint64_t>(made);
+  Remembered& memory = memory_[mixed(key) & (memory_.size() - 1)];
+  if (memory.key == key) return memory.index;
+  const Value value =
+      made == Made::kSum ? sumOf(values_[a], values_[b]) : productOf(values_[a], values_[b]);
+  memory = {key, kept(value)};
+  return memory.index;
+}
+
+PrimeField FormulaSizes::made(std::uint64_t index) {
+  PrimeField value;
+  value.word_ = index << kOperationBits | (++operations_ & kOperation);
+  return value;
+}
+
+// ---- denominators -------------------------------------------------------------------------------
+
+std::size_t FormulaSizes::PowersHash::operator()(const Powers& powers) const {
+  std::uint64_t h = powers.size();
+  for (const auto& [divisor, exponent] : powers)
+    h = mixed(h ^
+              (static_cast<std::uint64_t>(divisor) << 32 | static_cast<std::uint32_t>(exponent)));
+  return h;
+}
+
 int FormulaSizes::intern(const Powers& powers) {
-  const auto [it, is_new] = index_.emplace(powers, static_cast<int>(denominators_.size()));
+  const auto [it, is_new] = index_.try_emplace(powers, static_cast<int>(denominators_.size()));
   if (is_new) {
     Size size{0, 0};
     for (const auto& [divisor, exponent] : powers) {
@@ -42,7 +122,8 @@ int FormulaSizes::intern(const Powers& powers) {
 
 int FormulaSizes::combined(int a, int b, bool add) {
   const Powers &x = denominators_[a].powers, &y = denominators_[b].powers;
-  Powers both;
+  Powers& both = scratch_;
+  both.clear();
   for (std::size_t i = 0, j = 0; i < x.size() || j < y.size();) {
     if (j == y.size() || (i < x.size() && x[i].first < y[j].first)) {
       both.push_back(x[i++]);
@@ -81,9 +162,12 @@ int FormulaSizes::newDivisor(Size size) {
   return static_cast<int>(divisors_.size()) - 1;
 }
 
-int FormulaSizes::divisorOf(const PrimeField& value) {
-  const auto [it, is_new] = divisor_of_operation_.emplace(value.word_, 0);
-  if (is_new) it->second = newDivisor({value.degree_, value.bits_});
+int FormulaSizes::divisorOf(PrimeField value) {
+  const auto [it, is_new] = divisor_of_operation_.emplace(operationOf(value), 0);
+  if (is_new) {
+    it->second = newDivisor({valueOf(value).degree, valueOf(value).bits});
+    may_divide_.set(operationOf(value) % may_divide_.size());
+  }
   return it->second;
 }
 
@@ -93,17 +177,14 @@ int FormulaSizes::constantDivisor(const scene::Integer& n) {
   return it->second;
 }
 
-PrimeField FormulaSizes::made(double degree, double bits, int denominator) {
-  PrimeField value;
-  value.word_ = ++operations_;
-  value.degree_ = degree;
-  value.bits_ = bits;
-  value.denominator_ = denominator;
-  return value;
-}
+// ---- values -------------------------------------------------------------------------------------
 
 PrimeField FormulaSizes::constant(int value) {
-  return value == 0 ? PrimeField() : made(0, bitsOf(value), 0);
+  if (value == 0) return {};
+  int bits = 0;  // as bitsOf()
+  for (std::int64_t n = std::abs(static_cast<std::int64_t>(value)); std::int64_t(1) << bits < n;)
+    ++bits;
+  return made(0, bits, 0);
 }
 
 PrimeField FormulaSizes::constant(const scene::Rational& value) {
@@ -112,11 +193,20 @@ PrimeField FormulaSizes::constant(const scene::Rational& value) {
   if (scene::bottom(value) == 1) return made(0, bits, 0);
   // decimals are what scenes are made of: common powers of 2, 3, 5, and the rest as it is
   Powers powers;
-  scene::Integer rest = denominator(value);
-  for (const int prime : {2, 3, 5}) {
-    int exponent = 0;
-    for (; rest % prime == 0; rest /= prime) ++exponent;
-    if (exponent > 0) powers.emplace_back(constantDivisor(prime), exponent);
+  scene::Integer rest = scene::bottom(value);
+  const auto factor = [&](auto& n) {
+    for (const int prime : {2, 3, 5}) {
+      int exponent = 0;
+      for (; n % prime == 0; n /= prime) ++exponent;
+      if (exponent > 0) powers.emplace_back(constantDivisor(prime), exponent);
+    }
+  };
+  if (rest.backend().size() == 1) {
+    auto small = static_cast<std::uint64_t>(rest);
+    factor(small);
+    rest = small;
+  } else {
+    factor(rest);
   }
   if (rest != 1) powers.emplace_back(constantDivisor(rest), 1);
   std::sort(powers.begin(), powers.end());
@@ -127,46 +217,57 @@ PrimeField FormulaSizes::indeterminate(double weight) {
   return PrimeField::sizes_->made(weight, 0, 0);
 }
 
-PrimeField FormulaSizes::sum(const PrimeField& a, const PrimeField& b) {
+FormulaSizes::Value FormulaSizes::sumOf(const Value& a, const Value& b) {
+  if (a.denominator == b.denominator)
+    return {std::max(a.degree, b.degree), std::max(a.bits, b.bits) + 1, a.denominator};
+  const int both = common(a.denominator, b.denominator);
+  const auto& size = denominators_[both].size;
+  const auto& a_size = denominators_[a.denominator].size;
+  const auto& b_size = denominators_[b.denominator].size;
+  return {size.degree + std::max(a.degree - a_size.degree, b.degree - b_size.degree),
+          size.bits + std::max(a.bits - a_size.bits, b.bits - b_size.bits) + 1, both};
+}
+
+FormulaSizes::Value FormulaSizes::productOf(const Value& a, const Value& b) {
+  return {a.degree + b.degree, a.bits + b.bits, timesDenominator(a.denominator, b.denominator)};
+}
+
+PrimeField FormulaSizes::sum(PrimeField a, PrimeField b) {
   if (a.isZero()) return b;
   if (b.isZero()) return a;
-  if (a.denominator_ == b.denominator_)
-    return made(std::max(a.degree_, b.degree_), std::max(a.bits_, b.bits_) + 1, a.denominator_);
-  const int both = common(a.denominator_, b.denominator_);
-  const auto& size = denominators_[both].size;
-  const auto& a_size = denominators_[a.denominator_].size;
-  const auto& b_size = denominators_[b.denominator_].size;
-  return made(size.degree + std::max(a.degree_ - a_size.degree, b.degree_ - b_size.degree),
-              size.bits + std::max(a.bits_ - a_size.bits, b.bits_ - b_size.bits) + 1, both);
+  return made(remembered(Made::kSum, indexOf(a), indexOf(b)));
 }
 
-PrimeField FormulaSizes::product(const PrimeField& a, const PrimeField& b) {
+bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
+  const Value value = valueOf(x);
+  if (value.denominator == 0 || !may_divide_.test(operationOf(n) % may_divide_.size()))
+    return false;
+  const auto known = divisor_of_operation_.find(operationOf(n));
+  if (known == divisor_of_operation_.end()) return false;
+  auto powers = denominators_[value.denominator].powers;
+  const auto it = std::find_if(powers.begin(), powers.end(),
+                               [&](const auto& power) { return power.first == known->second; });
+  if (it == powers.end()) return false;
+  if (--it->second == 0) powers.erase(it);
+  *out = made(value.degree, value.bits, timesDenominator(valueOf(n).denominator, intern(powers)));
+  return true;
+}
+
+PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {
   if (a.isZero() || b.isZero()) return {};
-  if (a.denominator_ == 0 && b.denominator_ == 0)
-    return made(a.degree_ + b.degree_, a.bits_ + b.bits_, 0);
-  // (N / E) (X / (N F)) = X / (E F)
-  for (const auto& [n, x] : {std::pair(&a, &b), std::pair(&b, &a)}) {
-    if (x->denominator_ == 0) continue;
-    const auto known = divisor_of_operation_.find(n->word_);
-    if (known == divisor_of_operation_.end()) continue;
-    auto powers = denominators_[x->denominator_].powers;
-    const auto it = std::find_if(powers.begin(), powers.end(),
-                                 [&](const auto& power) { return power.first == known->second; });
-    if (it == powers.end()) continue;
-    if (--it->second == 0) powers.erase(it);
-    return made(x->degree_, x->bits_, timesDenominator(n->denominator_, intern(powers)));
-  }
-  return made(a.degree_ + b.degree_, a.bits_ + b.bits_,
-              timesDenominator(a.denominator_, b.denominator_));
+  PrimeField out;
+  if (cancelled(a, b, &out) || cancelled(b, a, &out)) return out;
+  return made(remembered(Made::kProduct, indexOf(a), indexOf(b)));
 }
 
-PrimeField FormulaSizes::quotient(const PrimeField& a, const PrimeField& b) {
+PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {
   if (b.isZero()) throw DivisionByZero("division by a formula that is zero");
   if (a.isZero()) return {};
   // (X / E) / (N / F) = X F' / (E' N), with E' / F' = E / F in lowest terms
-  Powers below = denominators_[a.denominator_].powers;
-  double degree = a.degree_, bits = a.bits_;
-  for (const auto& [divisor, exponent] : denominators_[b.denominator_].powers) {
+  const Value top = valueOf(a);
+  Powers below = denominators_[top.denominator].powers;
+  double degree = top.degree, bits = top.bits;
+  for (const auto& [divisor, exponent] : denominators_[valueOf(b).denominator].powers) {
     const auto it = std::find_if(below.begin(), below.end(),
                                  [&](const auto& power) { return power.first == divisor; });
     const int cancelled = it == below.end() ? 0 : std::min(it->second, exponent);

@@ -3,6 +3,7 @@
 // on.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <map>
 #include <unordered_map>
@@ -25,7 +26,11 @@ namespace dynwitness::crosscheck {
     recognised, and what cancels for that reason cancels. Other cancellation is not seen: the bounds
     are upper bounds.
 
-    A sweep in this scope returns, entry by entry, bounds for the formula of that entry. */
+    A sweep in this scope returns, entry by entry, bounds for the formula of that entry. They are
+    read in the scope.
+
+    Few sizes occur, each many times: each is kept once, an element holds its number and that of the
+    operation, and what two sizes make is remembered. */
 class FormulaSizes {
  public:
   FormulaSizes();
@@ -42,37 +47,75 @@ class FormulaSizes {
 
  private:
   friend class PrimeField;
-  PrimeField constant(int value);
-  PrimeField constant(const scene::Rational& value);
-  PrimeField sum(const PrimeField& a, const PrimeField& b);
-  PrimeField product(const PrimeField& a, const PrimeField& b);
-  /// @throws DivisionByZero when b is the polynomial 0
-  PrimeField quotient(const PrimeField& a, const PrimeField& b);
-
-  using Powers = std::vector<std::pair<int, int>>;  ///< (divisor, exponent > 0), in order
   struct Size {
     double degree, bits;
+  };
+  /// Numerator and denominator of a value.
+  struct Value {
+    double degree = 0, bits = 0;
+    int denominator = 0;  ///< index into denominators_; 0 is 1
+  };
+  const Value& valueOf(PrimeField a) const { return values_[indexOf(a)]; }
+
+  PrimeField constant(int value);
+  PrimeField constant(const scene::Rational& value);
+  PrimeField sum(PrimeField a, PrimeField b);
+  PrimeField product(PrimeField a, PrimeField b);
+  /// @throws DivisionByZero when b is the polynomial 0
+  PrimeField quotient(PrimeField a, PrimeField b);
+
+  using Powers = std::vector<std::pair<int, int>>;  ///< (divisor, exponent > 0), in order
+  struct PowersHash {
+    std::size_t operator()(const Powers& powers) const;
   };
   struct Denominator {
     Powers powers;
     Size size;
   };
 
-  PrimeField made(double degree, double bits, int denominator);  ///< the value of a new operation
+  // of an element's word: which size above, which operation below, from 1
+  static constexpr int kOperationBits = 36;
+  static constexpr std::uint64_t kOperation = (std::uint64_t(1) << kOperationBits) - 1;
+  static std::uint64_t indexOf(PrimeField a) { return a.word_ >> kOperationBits; }
+  static std::uint64_t operationOf(PrimeField a) { return a.word_ & kOperation; }
+
+  enum class Made : std::uint64_t { kSum, kProduct };
+  struct Remembered {
+    std::uint64_t key = ~std::uint64_t(0);
+    std::uint64_t index = 0;
+  };
+  PrimeField made(std::uint64_t index);  ///< the value of a new operation
+  PrimeField made(double degree, double bits, int denominator) {
+    return made(kept({degree, bits, denominator}));
+  }
+  std::uint64_t kept(const Value& value);  ///< its index
+  /// Of the sum or product of two sizes that are not zero.
+  std::uint64_t remembered(Made made, std::uint64_t a, std::uint64_t b);
+  Value sumOf(const Value& a, const Value& b);
+  Value productOf(const Value& a, const Value& b);
+  void growBuckets();
+
   int intern(const Powers& powers);
   int timesDenominator(int a, int b);
   int common(int a, int b);  ///< least common multiple
   int combined(int a, int b, bool add);
   int newDivisor(Size size);
-  int divisorOf(const PrimeField& value);  ///< the divisor that value's numerator is
+  int divisorOf(PrimeField value);  ///< the divisor that value's numerator is
+  /// (N / E) (X / (N F)) = X / (E F), where N was divided by before. @return whether it was
+  bool cancelled(PrimeField n, PrimeField x, PrimeField* out);
   int constantDivisor(const scene::Integer& n);
 
   FormulaSizes* outer_;
+  std::vector<Value> values_;           ///< 0 is the size of zero
+  std::vector<std::uint32_t> buckets_;  ///< of indices into values_, found by hash; 0: empty
+  std::vector<Remembered> memory_;
   std::vector<Size> divisors_;
   std::vector<Denominator> denominators_;
-  std::map<Powers, int> index_;
+  std::unordered_map<Powers, int, PowersHash> index_;
+  Powers scratch_;
   std::unordered_map<std::uint64_t, int> products_, commons_;
   std::unordered_map<std::uint64_t, int> divisor_of_operation_;
+  std::bitset<1 << 14> may_divide_;  ///< by the last bits of the operation
   std::map<scene::Integer, int> constants_;
   std::uint64_t operations_ = 0;
   double total_degree_ = 0, total_bits_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/scalars/prime_field.hpp"
 
+#include <array>
 #include <limits>
 
 #include <flint/ulong_extras.h>
@@ -51,20 +52,21 @@ PrimeField::Modulus::~Modulus() {
   sizes_ = outer_sizes_;
 }
 
-PrimeField::PrimeField(int value) {
-  if (sizes_) {
-    *this = sizes_->constant(value);
-  } else {
-    word_ = value >= 0 ? static_cast<mp_limb_t>(value)
-                       : modulus_.n - static_cast<mp_limb_t>(-static_cast<std::int64_t>(value));
-  }
-}
-
 PrimeField PrimeField::fromRational(const scene::Rational& value) {
   if (sizes_) return sizes_->constant(value);
   const PrimeField top = fromInteger(scene::top(value));
   const scene::Integer& bottom = scene::bottom(value);
-  return bottom == 1 ? top : top / fromInteger(bottom);
+  if (bottom == 1) return top;
+  const PrimeField divisor = fromInteger(bottom);
+  // decimals have few denominators, and an inverse takes as long as ten products
+  struct Known {
+    std::uint64_t modulus, divisor, inverse;
+  };
+  static thread_local std::array<Known, 64> known = {};
+  Known& at = known[divisor.word_ * 0x9e3779b97f4a7c15u >> 58];
+  if (at.modulus != modulus_.n || at.divisor != divisor.word_)
+    at = {modulus_.n, divisor.word_, divisor.inverse().word_};
+  return top * PrimeField(at.inverse, Raw{});
 }
 
 PrimeField PrimeField::inverse() const {
@@ -73,25 +75,25 @@ PrimeField PrimeField::inverse() const {
   return {nmod_inv(word_, modulus_), Raw{}};
 }
 
-PrimeField PrimeField::operator-() const {
-  if (sizes_) return *this;
-  return {nmod_neg(word_, modulus_), Raw{}};
+PrimeField PrimeField::sizedSum(PrimeField a, PrimeField b) {
+  return sizes_->sum(a, b);
 }
-PrimeField PrimeField::sum(const PrimeField& a, const PrimeField& b) {
-  if (sizes_) return sizes_->sum(a, b);
-  return {_nmod_add(a.word_, b.word_, modulus_), Raw{}};
+PrimeField PrimeField::sizedConstant(int value) {
+  return sizes_->constant(value);
 }
-PrimeField PrimeField::difference(const PrimeField& a, const PrimeField& b) {
-  if (sizes_) return sizes_->sum(a, b);
-  return {_nmod_sub(a.word_, b.word_, modulus_), Raw{}};
-}
-PrimeField PrimeField::product(const PrimeField& a, const PrimeField& b) {
-  if (sizes_) return sizes_->product(a, b);
+PrimeField PrimeField::product(PrimeField a, PrimeField b) {
+  if (__builtin_expect(isSized(), 0)) return sizes_->product(a, b);
   return {nmod_mul(a.word_, b.word_, modulus_), Raw{}};
 }
-PrimeField PrimeField::quotient(const PrimeField& a, const PrimeField& b) {
+PrimeField PrimeField::quotient(PrimeField a, PrimeField b) {
   if (sizes_) return sizes_->quotient(a, b);
   return product(a, b.inverse());
+}
+double PrimeField::degree() const {
+  return sizes_ ? sizes_->valueOf(*this).degree : 0;
+}
+double PrimeField::bits() const {
+  return sizes_ ? sizes_->valueOf(*this).bits : 0;
 }
 
 PrimeField FieldSource::element(const std::string& what) const {

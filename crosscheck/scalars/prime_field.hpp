@@ -37,8 +37,9 @@ class FormulaSizes;
     In the scope of FormulaSizes it is the size of the formula that makes the element, which says how
     many random elements are enough. So both come from one code, compiled once.
 
-    The innermost scope of the thread decides. Operations are compiled apart (prime_field.cpp): a
-    sweep on this type is large enough without them. */
+    The innermost scope of the thread decides. An element is one word, passed in a register: sums are
+    made in place, products apart (prime_field.cpp), since a sweep on this type is large enough
+    without them. */
 class PrimeField {
  public:
   /// The field that this thread computes in, for as long as the object lives.
@@ -69,44 +70,60 @@ class PrimeField {
   /// @throws DivisionByZero for zero
   PrimeField inverse() const;
 
-  /// Sized: the weighted degree of the numerator.
-  double degree() const { return degree_; }
-  /// Sized: log2 of the sum of the magnitudes of the numerator's coefficients.
-  double bits() const { return bits_; }
+  /// Sized, in that scope: the weighted degree of the numerator.
+  double degree() const;
+  /// Sized, in that scope: log2 of the sum of the magnitudes of the numerator's coefficients.
+  double bits() const;
 
-  friend PrimeField operator+(const PrimeField& a, const PrimeField& b) { return sum(a, b); }
-  friend PrimeField operator-(const PrimeField& a, const PrimeField& b) { return difference(a, b); }
-  friend PrimeField operator*(const PrimeField& a, const PrimeField& b) { return product(a, b); }
-  friend PrimeField operator/(const PrimeField& a, const PrimeField& b) { return quotient(a, b); }
-  PrimeField operator-() const;
-  PrimeField& operator+=(const PrimeField& b) { return *this = sum(*this, b); }
-  PrimeField& operator-=(const PrimeField& b) { return *this = difference(*this, b); }
-  PrimeField& operator*=(const PrimeField& b) { return *this = product(*this, b); }
-  PrimeField& operator/=(const PrimeField& b) { return *this = quotient(*this, b); }
+  friend PrimeField operator+(PrimeField a, PrimeField b) { return sum(a, b); }
+  friend PrimeField operator-(PrimeField a, PrimeField b) { return difference(a, b); }
+  friend PrimeField operator*(PrimeField a, PrimeField b) { return product(a, b); }
+  friend PrimeField operator/(PrimeField a, PrimeField b) { return quotient(a, b); }
+  PrimeField operator-() const { return isSized() ? *this : PrimeField(negated(word_), Raw{}); }
+  PrimeField& operator+=(PrimeField b) { return *this = sum(*this, b); }
+  PrimeField& operator-=(PrimeField b) { return *this = difference(*this, b); }
+  PrimeField& operator*=(PrimeField b) { return *this = product(*this, b); }
+  PrimeField& operator/=(PrimeField b) { return *this = quotient(*this, b); }
   /// Sized: the same value of the same operation.
-  friend bool operator==(const PrimeField& a, const PrimeField& b) { return a.word_ == b.word_; }
-  friend bool operator!=(const PrimeField& a, const PrimeField& b) { return !(a == b); }
+  friend bool operator==(PrimeField a, PrimeField b) { return a.word_ == b.word_; }
+  friend bool operator!=(PrimeField a, PrimeField b) { return !(a == b); }
 
  private:
   friend class FormulaSizes;
   struct Raw {};
   PrimeField(mp_limb_t residue, Raw) : word_(residue) {}
-  static PrimeField sum(const PrimeField& a, const PrimeField& b);
-  static PrimeField difference(const PrimeField& a, const PrimeField& b);
-  static PrimeField product(const PrimeField& a, const PrimeField& b);
-  static PrimeField quotient(const PrimeField& a, const PrimeField& b);
+  static PrimeField sum(PrimeField a, PrimeField b) {
+    if (__builtin_expect(isSized(), 0)) return sizedSum(a, b);
+    return {_nmod_add(a.word_, b.word_, modulus_), Raw{}};
+  }
+  static PrimeField difference(PrimeField a, PrimeField b) {
+    if (__builtin_expect(isSized(), 0)) return sizedSum(a, b);
+    return {_nmod_sub(a.word_, b.word_, modulus_), Raw{}};
+  }
+  static PrimeField sizedSum(PrimeField a, PrimeField b);
+  static PrimeField product(PrimeField a, PrimeField b);
+  static PrimeField quotient(PrimeField a, PrimeField b);
+  static PrimeField sizedConstant(int value);
+  static std::uint64_t negated(std::uint64_t word) { return word == 0 ? 0 : modulus_.n - word; }
 
   static thread_local nmod_t modulus_;
   static thread_local FormulaSizes* sizes_;
-  /// The residue; sized: the operation that made the value, which copies keep.
+  /// The residue; sized: which operation made the value, which copies keep, and how large it is
+  /// (FormulaSizes).
   std::uint64_t word_ = 0;
-  // sized
-  double degree_ = 0, bits_ = 0;
-  int denominator_ = 0;  ///< index into the denominators of FormulaSizes; 0 is 1
 };
 
 inline thread_local nmod_t PrimeField::modulus_ = {0, 0, 0};
 inline thread_local FormulaSizes* PrimeField::sizes_ = nullptr;
+
+inline PrimeField::PrimeField(int value) {
+  if (value == 0) return;  // of either kind
+  if (isSized())
+    *this = sizedConstant(value);
+  else
+    word_ = value > 0 ? static_cast<mp_limb_t>(value)
+                      : modulus_.n - static_cast<mp_limb_t>(-static_cast<std::int64_t>(value));
+}
 
 /** Where the random elements of one point come from: pure functions of (name, seed, index) and of
     what is asked for. Sized, they are indeterminates: of weight 1, and 2 for the coordinates of a
@@ -148,6 +165,8 @@ class FieldNumbers {
                Parameters parameters = Parameters::kAsWritten);
 
   PrimeField operator()(const scene::Number& number) const;
+  /// The same of a number without a text.
+  PrimeField rational(const scene::Rational& value) const { return source_.constant(value); }
   Point angle(const scene::Number& radians) const;
   scene::AxisTurn<PrimeField> axisTurn(const scene::Vector& axis) const;
 

@@ -264,6 +264,7 @@ void inOwnCopies(int at_a_time, int count, double seconds,
       });
       close(copy.file);
       copy.file = -1;
+      std::string().swap(copy.unread);  // with its room: copies are as many as tasks
       --running;
       const int status = is_late ? endCopy(copy.process) : Copies::waitFor(copy);
       copy.process = -1;
@@ -271,8 +272,8 @@ void inOwnCopies(int at_a_time, int count, double seconds,
       if (!has_said[i])
         said[i].problem = is_late ? fmt::format("was not done within {:g} s", seconds)
                                   : "its process " + howItEnded(status);
-      ended(static_cast<int>(i), said[i]);
-      said[i] = {};
+      const CopyEnded one = std::move(said[i]);  // assigning {} would keep the text's room
+      ended(static_cast<int>(i), one);
     }
   }
 }

@@ -15,7 +15,10 @@ template <typename Algorithm, typename Change>
 ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
   const auto on = [mechanism = scene.mechanism, change](const FieldNumbers& number) {
     using T = PrimeField;
-    Setup<T> setup(mechanism, number);
+    Setup<T> setup(recursive::buildModel(mechanism, number));
+    if (Algorithm::answers(Quantity::kReactions) && setup.isLumped())
+      setup.with_fixed_joints.emplace_back(
+          recursive::buildModel(mechanism, number, recursive::FixedJoints::kKept));
     change(setup.model, number);
     for (Setup<T>& kept : setup.with_fixed_joints) change(kept.model, number);
     return [setup](Quantity quantity, const scene::State<T>& state) mutable {

@@ -93,7 +93,8 @@ class HomogeneousModel {
         Systems, Man, and Cybernetics 10 (1980) */
   std::vector<T> inverse(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd,
                          const std::vector<T>& qdd, LagrangeTerms terms);
-  /// Column j is inverse() at rest for a unit acceleration of joint j alone.
+  /// Column j is inverse() at rest for a unit acceleration of joint j alone, where (2) leaves
+  /// Wdd = Wdd_p A + W E_j, and nothing but what joint j carries is accelerated.
   MatrixX<T> massMatrix(const std::vector<scene::JointPosition<T>>& x);
   /// sum tr(Wd J Wd') / 2 + sum n^2 J_rotor qd^2 / 2 [J]
   T kinetic(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd);
@@ -109,6 +110,14 @@ class HomogeneousModel {
       point, that is how the motion bends in the space of all points. */
   std::vector<Matrix4<T>> secondPartials(const std::vector<scene::JointPosition<T>>& x,
                                          const std::vector<T>& u, const std::vector<T>& v);
+  /** The same of one body alone, and its Wd: through what carries it. Positions as in the last call
+      of anything that takes them. */
+  struct Partials {
+    Matrix4<T> first, second;  ///< Wd along v; how it changes along u
+  };
+  Partials partialsOf(std::size_t body, const std::vector<T>& u, const std::vector<T>& v) const;
+  /// W and A of all bodies.
+  void place(const std::vector<scene::JointPosition<T>>& x);
   /// sum over all points of m (a x)' (b x), for matrices a, b by body.
   T weighted(const std::vector<Matrix4<T>>& a, const std::vector<Matrix4<T>>& b) const;
   /// weighted(dW/dq_k, b) for every k, by the inward sweep (3), (4). Positions as in the last call.
@@ -183,8 +192,6 @@ class HomogeneousModel {
 
   /// A of a joint at this position.
   Matrix4<T> moved(const Body& body, const std::vector<scene::JointPosition<T>>& x) const;
-  /// W and A of all bodies.
-  void place(const std::vector<scene::JointPosition<T>>& x);
   Matrix4<T> generator(const Body& body, const std::vector<T>& rates) const {
     Matrix4<T> F = Matrix4<T>::Constant(T(0));
     for (std::size_t k = 0; k < body.axes.size(); ++k) F += body.axes[k].E * rates[body.dof + k];
@@ -518,12 +525,47 @@ std::vector<T> HomogeneousModel<T>::inverse(const std::vector<scene::JointPositi
 
 template <typename T>
 MatrixX<T> HomogeneousModel<T>::massMatrix(const std::vector<scene::JointPosition<T>>& x) {
-  MatrixX<T> M(dof_, dof_);
-  const std::vector<T> rest(dof_, T(0));
+  place(x);
+  MatrixX<T> M = MatrixX<T>::Constant(dof_, dof_, T(0));
+  std::vector<std::vector<Matrix4<T>>> dW;  // by body and axis: W E_k
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    dW.emplace_back();
+    for (const Axis& axis : bodies[i].axes) dW.back().push_back(W_[i] * axis.E);
+  }
+  std::vector<Matrix4<T>> Wdd(bodies.size()), D(bodies.size());
   for (int j = 0; j < dof_; ++j) {
-    std::vector<T> unit = rest;
-    unit[j] = T(1);
-    M.col(j) = column(inverse(x, rest, unit, {false, false, false}));
+    std::vector<char> is_accelerated(bodies.size(), 0), has_force(bodies.size(), 0);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const Body& body = bodies[i];
+      const int k = j - body.dof;
+      const bool by_own = k >= 0 && k < static_cast<int>(body.axes.size()),
+                 by_parent = body.parent >= 0 && is_accelerated[body.parent] != 0;
+      if (by_own && by_parent)
+        Wdd[i] = dW[i][k] + Wdd[body.parent] * A_[i];
+      else if (by_own)
+        Wdd[i] = dW[i][k];
+      else if (by_parent)
+        Wdd[i] = Wdd[body.parent] * A_[i];
+      else
+        continue;
+      is_accelerated[i] = has_force[i] = 1;
+      D[i] = body.J * Wdd[i].transpose();
+    }
+    for (std::size_t i = bodies.size(); i-- > 0;) {
+      if (has_force[i] == 0) continue;
+      const Body& body = bodies[i];
+      for (std::size_t k = 0; k < body.axes.size(); ++k)
+        M(body.dof + static_cast<int>(k), j) += trace(dW[i][k], D[i].transpose());
+      if (body.parent < 0) continue;
+      if (has_force[body.parent] != 0)
+        D[body.parent] += A_[i] * D[i];
+      else
+        D[body.parent] = A_[i] * D[i];
+      has_force[body.parent] = 1;
+    }
+    for (const Body& body : bodies)
+      for (std::size_t k = 0; k < body.axes.size(); ++k)
+        if (body.dof + static_cast<int>(k) == j) M(j, j) += body.axes[k].rotor;
   }
   return M;
 }
@@ -589,6 +631,31 @@ std::vector<Matrix4<T>> HomogeneousModel<T>::secondPartials(
       second += out[body.parent] * A_[i] + (Wd_[body.parent] * A_[i]) * F_v +
                 (along_v[body.parent] * A_[i]) * F_u;
     out.push_back(second);
+  }
+  return out;
+}
+
+template <typename T>
+typename HomogeneousModel<T>::Partials HomogeneousModel<T>::partialsOf(
+    std::size_t body, const std::vector<T>& u, const std::vector<T>& v) const {
+  std::vector<int> path;
+  for (int i = static_cast<int>(body); i >= 0; i = bodies[i].parent) path.push_back(i);
+  Partials out;
+  Matrix4<T> along_u;
+  for (auto i = path.rbegin(); i != path.rend(); ++i) {  // as move() and secondPartials()
+    const Body& one = bodies[*i];
+    const Matrix4<T> F_u = generator(one, u), F_v = generator(one, v);
+    Matrix4<T> first = W_[*i] * F_v, first_u = W_[*i] * F_u;
+    Matrix4<T> second = first_u * F_v;
+    if (one.parent >= 0) {
+      const Matrix4<T> carried_u = along_u * A_[*i], carried_v = out.first * A_[*i];
+      second += out.second * A_[*i] + carried_u * F_v + carried_v * F_u;
+      first += carried_v;
+      first_u += carried_u;
+    }
+    along_u = first_u;
+    out.first = first;
+    out.second = second;
   }
   return out;
 }

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <string>
 #include <thread>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <boost/test/unit_test.hpp>
@@ -16,6 +19,7 @@
 #include "crosscheck/campaign/campaign_plan.hpp"
 #include "crosscheck/campaign/merge.hpp"
 #include "crosscheck/campaign/shard.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "crosscheck/inputs/feature_pairs.hpp"
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
@@ -253,10 +257,12 @@ BOOST_AUTO_TEST_CASE(the_sum_counts_what_the_mechanisms_are) {
   const CampaignSum sum = writeMerged(gatherLedgers({folder.path / "x"}), folder.path / "result");
   PairTable pairs;
   std::map<std::string, long> kinds, with;
+  long closed = 0;
   for (unsigned k = 0; k < 23; ++k) {
     const scene::Scene scene = randomWholeScene(1, k, 2);
     const auto& links = scene.mechanism.links;
     with["no gravity"] += scene.mechanism.has_gravity ? 0 : 1;
+    closed += scene.mechanism.closures.empty() ? 0 : 1;
     with["spring"] += std::any_of(links.begin(), links.end(), [](const scene::Link& link) {
       return !link.joint.stiffness.isLiteralZero();
     });
@@ -269,6 +275,14 @@ BOOST_AUTO_TEST_CASE(the_sum_counts_what_the_mechanisms_are) {
     BOOST_TEST(count > 0, term);
     BOOST_TEST(sum.coverage.terms.at(term) == count, term);
   }
+  // each check that there is, and those of closures where there are some
+  BOOST_TEST(sum.coverage.laws.size() == exactCheckNames().size());
+  const std::array<long, 3> by_closures = sum.coverage.laws.at("closures"),
+                            by_all = sum.coverage.laws.at("skew symmetry");
+  BOOST_TEST(closed > 0);
+  BOOST_TEST(closed < 23);
+  BOOST_TEST(by_closures[0] + by_closures[1] + by_closures[2] == closed);
+  BOOST_TEST(by_all[0] + by_all[1] + by_all[2] == 23);
   BOOST_TEST(std::pow(1 - shareAtMostOf(7), 7) == 0.05, boost::test_tools::tolerance(1e-12));
   BOOST_TEST(shareAtMostOf(0) == 1);
   for (const PairRelation relation : kAllPairRelations)
@@ -292,6 +306,35 @@ BOOST_AUTO_TEST_CASE(what_a_campaign_has_found_stays_mended) {
   BOOST_TEST(verdict(2472) == "agree");
   // a degree beyond the field disagrees with nothing
   BOOST_TEST(verdict(1043) == "not answerable");
+}
+
+BOOST_AUTO_TEST_CASE(a_case_leaves_no_memory_behind) {
+  const files::TemporaryFolder folder;
+  const CampaignPlan plan = planOf(folder.path, kSmall);
+  // what is held after all cases have run so many times more; that they ran before fills what is
+  // kept for good
+  constexpr int kTimes = 4;
+  const auto growth = [&](const CaseRunner& runner) {
+    const auto all = [&](int times) {
+      for (int time = 0; time < times; ++time)
+        for (long k = 0; k < plan.cases(); ++k) runner.line(k);
+      return static_cast<long>(mallinfo2().uordblks);
+    };
+    const long before = all(2);
+    return all(kTimes) - before;
+  };
+  // up to 80 bytes a case were seen (free blocks that malloc keeps for the thread count as held),
+  // and a copy of the process does 20 cases
+  const long most = kTimes * plan.cases() * 1000;
+  BOOST_TEST(growth(runnerOf(plan)) < most);
+  // and one that keeps a string of each is noticed
+  std::vector<std::unique_ptr<std::string>> kept;
+  WitnessKind keeps = compositeBodyKind();
+  keeps.make_exact = [&kept](const PreparedScene& scene, Parameters parameters) {
+    kept.push_back(std::make_unique<std::string>(1000, 'x'));
+    return compositeBodyKind().make_exact(scene, parameters);
+  };
+  BOOST_TEST(growth(CaseRunner(plan, "/bin/true", {newtonEulerKind(), keeps})) >= most);
 }
 
 BOOST_AUTO_TEST_CASE(draws_prefer_mechanisms_with_rare_pairs) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/exact/exact.hpp"
+#include "crosscheck/exact/inquiry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -222,11 +223,12 @@ BOOST_DATA_TEST_CASE(it_bounds_the_degree_that_interpolation_measures,
     for (const Quantity quantity : {Quantity::kM, Quantity::kc, Quantity::kg, Quantity::kTau,
                                     Quantity::kKinetic, Quantity::kPotential}) {
       if (!witness.answers(quantity)) continue;
-      const MatrixX<PrimeField> bound = [&] {
+      const MatrixX<double> bound = [&] {
         const FormulaSizes sizes;
         const FieldNumbers indeterminates(scene.mechanism, source);
-        return witness.in_field(indeterminates)(quantity,
-                                                indeterminateState(scene.mechanism, source));
+        const MatrixX<PrimeField> answer =
+            witness.in_field(indeterminates)(quantity, indeterminateState(scene.mechanism, source));
+        return MatrixX<double>(answer.unaryExpr([](PrimeField x) { return x.degree(); }));
       }();
       std::vector<MatrixX<PrimeField>> at;
       for (int u = 0; u < 80; ++u) at.push_back(values(quantity, onCurve(scene.mechanism, u)));
@@ -235,8 +237,8 @@ BOOST_DATA_TEST_CASE(it_bounds_the_degree_that_interpolation_measures,
           std::vector<PrimeField> entry;
           for (const auto& answer : at) entry.push_back(answer(i, j));
           const int measured = degreeOf(entry);
-          BOOST_TEST(measured <= bound(i, j).degree(), witness.name << " " << name(quantity));
-          largest_bound = std::max(largest_bound, static_cast<int>(bound(i, j).degree()));
+          BOOST_TEST(measured <= bound(i, j), witness.name << " " << name(quantity));
+          largest_bound = std::max(largest_bound, static_cast<int>(bound(i, j)));
           largest_measured = std::max(largest_measured, measured);
         }
       }
@@ -246,6 +248,57 @@ BOOST_DATA_TEST_CASE(it_bounds_the_degree_that_interpolation_measures,
   BOOST_TEST(largest_measured > 0);
   BOOST_TEST(largest_bound <=
              4 * largest_measured);  // a bound, and not a wild one: 2.2 is the worst
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(wanted)
+
+/// One check of a number that is the same on both sides.
+Inquiry sameNumber() {
+  Inquiry inquiry;
+  inquiry.checks.resize(1);
+  inquiry.checks[0].law = "a number is itself";
+  inquiry.ask = [](const FieldNumbers&, const scene::State<PrimeField>& state) {
+    const MatrixX<PrimeField> x = MatrixX<PrimeField>::Constant(1, 1, state.qd.at(0));
+    return SidesOfAll{{x, x}};
+  };
+  return inquiry;
+}
+
+BOOST_AUTO_TEST_CASE(sides_that_were_not_computed_do_not_agree) {
+  const scene::Scene scene = scene::findScene("double_pendulum");
+  Inquiry inquiry = sameNumber();
+  BOOST_TEST((decide(scene, inquiry, {}).at(0).verdict == Verdict::kAgree));
+  inquiry.ask_wanted = [ask = inquiry.ask](const FieldNumbers& number,
+                                           const scene::State<PrimeField>& state,
+                                           const std::vector<char>&) {
+    return PrimeField::isSized() ? ask(number, state) : SidesOfAll(1);
+  };
+  BOOST_TEST((decide(scene, inquiry, {}).at(0).verdict == Verdict::kDisagree));
+}
+
+BOOST_AUTO_TEST_CASE(checks_that_have_their_points_are_not_asked_again) {
+  const scene::Scene scene = scene::findScene("double_pendulum");
+  Inquiry two = both(sameNumber(), sameNumber());
+  int asked[2] = {0, 0};
+  two.ask_wanted = [&asked, ask = two.ask](const FieldNumbers& number,
+                                           const scene::State<PrimeField>& state,
+                                           const std::vector<char>& wanted) {
+    SidesOfAll sides = ask(number, state);
+    if (PrimeField::isSized()) {  // the second as of a degree that takes more points
+      for (int k = 0; k < 16; ++k) sides[1].left = (sides[1].left * sides[1].left).eval();
+      return sides;
+    }
+    for (int k = 0; k < 2; ++k) asked[k] += wanted[static_cast<std::size_t>(k)] != 0 ? 1 : 0;
+    return sides;
+  };
+  const std::vector<CheckResult> results = decide(scene, two, {});
+  BOOST_TEST((results.at(0).verdict == Verdict::kAgree));
+  BOOST_TEST((results.at(1).verdict == Verdict::kAgree));
+  BOOST_TEST(asked[0] == results[0].exact->points);
+  BOOST_TEST(asked[1] == results[1].exact->points);
+  BOOST_TEST(asked[0] < asked[1]);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
