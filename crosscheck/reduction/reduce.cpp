@@ -432,7 +432,7 @@ class Reducer {
     found_.resize(options_.allowed.size());
     scenes_.resize(options_.allowed.size());
     tryScenes();
-    tryBases();
+    if (options_.adds_terms) tryBases();
     const double rules = options_.armstrong > 0 ? 1 : 0;
     scene::Work work("errors", static_cast<double>(options_.allowed.size()) + rules, kErrors);
     for (std::size_t t = 0; t < options_.allowed.size(); ++t, work.done()) {
