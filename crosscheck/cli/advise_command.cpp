@@ -37,7 +37,7 @@ std::string adviceScript(const scene::Scene& scene, const Advice& advice, const 
       "set logscale xy\nset format x '1e%T'\nset format y '1e%T'\nunset mxtics\nunset mytics\n"
       "set xlabel 'operations of qdd a simulated second'\n"
       "set ylabel 'error of the end of {} s  [rad, m, rad/s, m/s]'\n"
-      "set key outside bottom center vertical maxrows 3\nset offsets 0, 0, graph 0.05, 0\n"
+      "set key top right\nset offsets graph 0.02, graph 0.02, graph 0.1, graph 0.02\n"
       "plot {} with lines linetype 20 title 'asked for: {:.3g}', \\\n",
       advice.duration, advice.error, advice.error);
   int k = 0;

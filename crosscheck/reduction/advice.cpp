@@ -205,7 +205,7 @@ class Adviser {
     if (dropped == 0)
       out_.no_reduction = "no parameter can go within a tenth of the joint forces";
     else
-      out_.leaves_at = whenItLeaves();
+      out_.leaves = whereItLeaves();
   }
 
   void addModel(const ReducedModel& model) {
@@ -237,17 +237,18 @@ class Adviser {
     return y;
   }
 
-  double whenItLeaves() const {
+  std::string whereItLeaves() const {
     SimulateOptions run;
     run.duration = options_.duration;
     run.outputs = kEnvelopeTimes;
-    const auto within = [](const scene::Range& r, double x) { return r.low <= x && x <= r.high; };
     for (const Simulation::Point& point : simulate(scene_, run).points)
       for (std::size_t i = 0; i < ranges_.size(); ++i)
-        if (!within(ranges_[i].q, point.q[i]) || !within(ranges_[i].qd, point.qd[i]) ||
-            !within(ranges_[i].qdd, point.qdd[i]))
-          return point.time;
-    return -1;
+        for (const auto& [name, range, x] : {std::make_tuple("q", ranges_[i].q, point.q[i]),
+                                             std::make_tuple("qd", ranges_[i].qd, point.qd[i]),
+                                             std::make_tuple("qdd", ranges_[i].qdd, point.qdd[i])})
+          if (x < range.low || x > range.high)
+            return fmt::format("{}_{} = {:.3g} at {:.3g} s", name, i + 1, x, point.time);
+    return "";
   }
 
   void tryModel(std::size_t m) {

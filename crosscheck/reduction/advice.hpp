@@ -64,7 +64,8 @@ struct Advice {
   /// The end moves by so many times what one coordinate of the start is off by, at most.
   double growth = 0;
   std::string no_reduction;  ///< why there is only the full model; "": there are others
-  double leaves_at = -1;     ///< when the motion leaves the envelope [s]; negative: it does not
+  std::string
+      leaves;  ///< "qdd of rate 2 at 0.3 s": where the motion leaves the envelope; "": it does not
   std::vector<AdvisedModel> models;          ///< the scene first
   std::vector<AdvisedCandidate> candidates;  ///< the cheapest first
   std::optional<std::size_t> chosen;         ///< of candidates: the first without `why_not`

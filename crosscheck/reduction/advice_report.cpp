@@ -66,9 +66,8 @@ std::string candidatesTable(const Advice& advice) {
 std::string aboutForces(const Advice& advice) {
   if (!advice.no_reduction.empty()) return "the full model only: " + advice.no_reduction + "\n";
   std::string text = "forces off: at most this share of each joint's largest, proven in [envelope]";
-  if (advice.leaves_at >= 0)
-    text +=
-        fmt::format(", which this motion leaves at {:.3g} s: not proven on it", advice.leaves_at);
+  if (!advice.leaves.empty())
+    text += ",\nwhich this motion leaves with " + advice.leaves + ": not proven along it";
   return text + "\n";
 }
 
@@ -182,8 +181,7 @@ std::string adviceJson(const scene::Scene& scene, const Advice& advice, const st
               {"reference_known_to", advice.known_to},
               {"growth", advice.growth},
               {"no_reduction", advice.no_reduction},
-              {"leaves_envelope_at_s",
-               advice.leaves_at >= 0 ? Json(advice.leaves_at) : Json(nullptr)},
+              {"leaves_envelope", advice.leaves},
               {"models", models},
               {"candidates", candidates},
               {"chosen", advice.chosen ? Json(*advice.chosen) : Json(nullptr)},

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `envelope` and `reduce` as their user calls them: changes of the scene against the closed form of
 // a pendulum, and what they cannot answer is refused at once.
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
@@ -169,4 +172,69 @@ BOOST_AUTO_TEST_CASE(what_has_no_answer_is_refused_at_once) {
   bothRefuse(program, "star.toml", "14 joints move");
   writeStar(8);
   BOOST_TEST(program.run("envelope star.toml").status == 0);
+}
+
+// The commands that `advise` prints are run, and their end is held to that of the scene itself by
+// another method.
+BOOST_AUTO_TEST_CASE(what_is_advised_is_done_by_the_commands_that_are_printed) {
+  const Program program;
+  const double asked = 0.02;
+  const Outcome outcome = program.run(fmt::format(
+      "advise puma_560 --error {} --duration 1 --method runge_kutta4 --json advice.json", asked));
+  BOOST_REQUIRE(outcome.status == 0);
+  const auto advice = nlohmann::json::parse(program.read("advice.json"));
+  const auto chosen = advice.at("candidates").at(advice.at("chosen").get<std::size_t>());
+  BOOST_TEST(chosen.at("model") != "full");
+  BOOST_TEST(chosen.at("arithmetic") == "float");
+  const auto endOf = [&](const std::string& words) {
+    const Outcome run = program.run(words + " --csv motion.csv --outputs 1");
+    BOOST_REQUIRE(run.status == 0);
+    const std::string csv = program.read("motion.csv");
+    const std::size_t last = csv.rfind('\n', csv.size() - 2) + 1;
+    std::vector<double> row;
+    std::istringstream cells(csv.substr(last));
+    for (std::string cell; std::getline(cells, cell, ',');)
+      row.push_back(cell.empty() ? 0 : std::stod(cell));
+    return std::vector<double>(row.begin() + 1, row.begin() + 13);  // after time: q, qd
+  };
+  std::vector<double> end;
+  for (const auto& command : advice.at("commands")) {
+    const std::string words = command.get<std::string>().substr(std::string("dynwitness ").size());
+    if (words.rfind("simulate", 0) == 0)
+      end = endOf(words);
+    else
+      BOOST_TEST(program.run(words).status == 0, words);
+  }
+  BOOST_TEST((program.read("code/reduced.c").find("float") != std::string::npos));
+  const std::vector<double> reference =
+      endOf("simulate puma_560 --method gauss_6 --step 0.001 --duration 1");
+  BOOST_REQUIRE(end.size() == 12U);
+  double error = 0;
+  for (std::size_t k = 0; k < end.size(); ++k)
+    error = std::max(error, std::abs(end[k] - reference[k]));
+  BOOST_TEST(error <= asked);
+  BOOST_TEST(error > 1e-3 * asked);  // the cheapest wastes little of it
+}
+
+BOOST_AUTO_TEST_CASE(advice_that_nobody_can_give_is_refused) {
+  const Program program;
+  const auto refuses = [&](const std::string& words, const std::string& reason) {
+    dynwitness::fixtures::refuses(program, "advise " + words, reason);
+  };
+  refuses("double_pendulum", "--error: not given");
+  refuses("double_pendulum --error 1e-17", "roundings of double alone");
+  refuses("double_pendulum --error 1e-3 --duration 60", "chaotic");
+  refuses("double_pendulum --error 1e-3 --method gauss_4", "solve no equations");
+  refuses("andrews_squeezer --error 1e-3", "open trees");
+  refuses("puma_560_friction --error 1e-3", "jumps where a joint turns back");
+
+  const Outcome late =
+      program.run("advise double_pendulum --error 1e-3 --duration 1 --time-budget 1e-9");
+  BOOST_TEST(late.status == 1);
+  BOOST_TEST((late.out.find("none keeps it within 1e-09 s") != std::string::npos), late.out);
+  const Outcome full = program.run("advise double_pendulum --error 1e-3 --duration 1");
+  BOOST_TEST(full.status == 0);
+  BOOST_TEST(
+      (full.out.find("the full model only: the scene has no [envelope]") != std::string::npos),
+      full.out);
 }
