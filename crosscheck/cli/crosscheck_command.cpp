@@ -345,10 +345,11 @@ Run addCrosscheck(CLI::App* command) {
       "--stability", arguments->stability,
       "Show where methods fail as well: a stability.json that `dynwitness stability` "
       "wrote");
-  command->add_option(
-      "--reduction", arguments->reductions,
-      "Show on a scene's page how little model it needs: JSON that `dynwitness reduce --front` or "
-      "`dynwitness need` wrote of it; again for more");
+  command
+      ->add_option("--reduction", arguments->reductions,
+                   "Show on a scene's page how little model it needs: JSON that `dynwitness reduce "
+                   "--front` or `dynwitness need` wrote of it; again for more")
+      ->allow_extra_args(false);
   command
       ->add_option("--witness", arguments->options.witnesses,
                    "Witnesses: only these are compared; laws of mechanics are tested on our sweeps "
