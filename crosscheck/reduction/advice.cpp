@@ -18,6 +18,7 @@
 #include "crosscheck/motion/step_trials.hpp"
 #include "crosscheck/reduction/code_motion.hpp"
 #include "crosscheck/reduction/reduce.hpp"
+#include "scene/held_joints.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
@@ -183,6 +184,12 @@ class Adviser {
   void findModels() {
     if (ranges_.empty()) {
       out_.no_reduction = "the scene has no [envelope], for which smaller models are certified";
+      return;
+    }
+    scene::Scene fixed = scene_;
+    std::vector<scene::JointRanges> left = ranges_;
+    if (!scene::fixHeldJoints(&fixed, &left).empty()) {
+      out_.no_reduction = "its [envelope] holds joints at rest that the scene's motion may move";
       return;
     }
     ReduceOptions options;

@@ -147,7 +147,7 @@ BOOST_AUTO_TEST_CASE(what_has_no_answer_is_refused_at_once) {
   for (const char* file : {"none.toml", "fixed.toml"})
     bothRefuse(program, file, std::string(file) + ": no joint moves, expected at least one");
   bothRefuse(program, "chain_100", "no [envelope]");
-  bothRefuse(program, "humanoid", "no [envelope]");
+  bothRefuse(program, "acrobot", "no [envelope]");
   bothRefuse(program, "heavy_top", "heavy_top.toml:");
   bothRefuse(program, "heavy_top", "is spherical");
   BOOST_TEST(program.run("write chain_100 --format toml -o chain.toml").status == 0);
@@ -237,4 +237,35 @@ BOOST_AUTO_TEST_CASE(advice_that_nobody_can_give_is_refused) {
   BOOST_TEST(
       (full.out.find("the full model only: the scene has no [envelope]") != std::string::npos),
       full.out);
+}
+
+// Held joints are fixed: the same bounds as those of the scene that has them fixed by hand, tau of
+// the others alone.
+BOOST_AUTO_TEST_CASE(what_an_envelope_holds_is_fixed) {
+  const Program program;
+  const std::string hand =
+      "[[link]]\nname = \"hand\"\nparent = \"rod\"\nmass = 1\ncom = [0.1, 0, 0]\n"
+      "inertia = { about = \"com\", xx = 0.1, yy = 0.2, zz = 0.2 }\n[link.joint]\nname = \"wrist\"\n"
+      "xyz = [0, 0, -0.5]\n";
+  const std::size_t at = kPendulum.find("[envelope]");
+  const auto with = [&](const std::string& joint, const std::string& ranges) {
+    return kPendulum.substr(0, at) + hand + joint + kPendulum.substr(at) + ranges;
+  };
+  program.write("fixed.toml", with("kind = \"fixed\"\n", ""));
+  program.write("held.toml", with("kind = \"revolute\"\naxis = [1, 0, 0]\nrotor_inertia = 0.1\n",
+                                  "wrist = { q = [0, 0], qd = [0, 0], qdd = [0, 0] }\n"));
+  const auto bounds = [&](const std::string& file) {
+    const Outcome outcome = program.run("envelope " + file + " --json bounds.json");
+    BOOST_REQUIRE(outcome.status == 0);
+    return nlohmann::json::parse(program.read("bounds.json")).at("bounds");
+  };
+  const auto held = bounds("held.toml");
+  BOOST_TEST(held.size() == 1U);
+  BOOST_TEST(held == bounds("fixed.toml"));
+  const Outcome told = program.run("reduce held.toml --toml reduced.toml", "2>&1");
+  BOOST_TEST(told.status == 0, told.out);
+  BOOST_TEST(
+      (told.out.find("holds 1 joints at 0, which are fixed here: wrist") != std::string::npos),
+      told.out);
+  BOOST_TEST(program.run("evaluate reduced.toml --quantity tau --qdd 1").status == 0);
 }
