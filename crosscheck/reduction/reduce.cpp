@@ -114,7 +114,12 @@ std::vector<Base> sequence(const scene::Scene& scene, const Samples& samples,
                            const std::vector<double>& largest, double until) {
   std::vector<Omission> omissions;
   using What = Omission::What;
-  for (std::size_t l = 1; l < scene.mechanism.links.size(); ++l) {
+  const std::vector<scene::Link>& links = scene.mechanism.links;
+  std::vector<bool> moves(links.size(), false);  // what rests is in no force
+  for (std::size_t l = 1; l < links.size(); ++l) {
+    moves[l] = moves[static_cast<std::size_t>(links[l].parent)] ||
+               links[l].joint.kind != scene::JointKind::kFixed;
+    if (!moves[l]) continue;
     for (const What what :
          {What::kProducts, What::kInertia, What::kOnAxis, What::kMass, What::kRotor})
       omissions.push_back({l, what});

@@ -19,6 +19,21 @@ using Json = nlohmann::ordered_json;
 
 const char* const kWhat = "JSON of `dynwitness reduce --front FOLDER` or `dynwitness need`";
 
+/// Three digits, rounded up: what is printed is still a bound. @param x  percent
+std::string bound(double x) {
+  if (!(x > 0)) return "0";
+  const double unit = std::pow(10, std::floor(std::log10(x)) - 2);
+  return fmt::format("{:.3g}", std::ceil(x / unit) * unit);
+}
+
+/// The step of an axis up to `most` that has some five of them: 1, 2 or 5 times a power of ten.
+double tickOf(double most) {
+  const double rough = most / 5, unit = std::pow(10, std::floor(std::log10(rough)));
+  for (const double times : {1.0, 2.0, 5.0})
+    if (times * unit >= rough) return times * unit;
+  return 10 * unit;
+}
+
 /// A model of a front: its certified error in percent, and what it takes.
 struct Point {
   double error;
@@ -35,19 +50,18 @@ std::vector<Point> pointsOf(const Json& models) {
 /// Operations against certified error, two curves and the scene's own program.
 class FrontDrawing {
  public:
-  FrontDrawing(int full, double most) : full_(full), most_(most) {
+  FrontDrawing(int full, double most) : full_(full) {
+    const double tick = tickOf(most), high = tickOf(full_);
+    most_ = std::ceil(most / tick) * tick;
     line("axis", 0, 0, most_, 0);
     line("axis", 0, 0, 0, full_ * kHead);
-    const double tick = most_ > 5 ? 2 : most_ > 2 ? 1 : most_ / 4;
-    for (int k = 0; k * tick <= most_; ++k) {
-      const double x = k * tick;
-      line("axis", x, 0, x, -0.015 * full_);
-      text(x, 0, 0, 18, "middle", fmt::format("{:.3g}", x));
+    for (int k = 0; k <= std::lround(most_ / tick); ++k) {
+      line("axis", k * tick, 0, k * tick, -0.015 * full_);
+      text(k * tick, 0, 0, 18, "middle", fmt::format("{:.3g}", k * tick));
     }
-    for (int k = 1; k <= 4; ++k) {
-      const int y = full_ * k / 4;
-      line("axis", 0, y, -0.006 * most_, y);
-      text(0, y, -10, 4, "end", std::to_string(y));
+    for (int k = 1; k * high <= full_; ++k) {
+      line("axis", 0, k * high, -0.006 * most_, k * high);
+      text(0, k * high, -10, 4, "end", fmt::format("{:.6g}", k * high));
     }
     text(most_ / 2, 0, 0, 38, "middle",
          "error of a joint force at most, proven  [% of its largest]");
@@ -68,7 +82,7 @@ class FrontDrawing {
     svg_ += fmt::format("<path class=\"{}\" d=\"{}\"/>", is_square ? "curve two" : "curve", path);
     for (const Point& p : points) {
       const std::string title =
-          fmt::format("<title>{} operations, {:.3g} %</title>", p.operations, p.error);
+          fmt::format("<title>{} operations, {} %</title>", p.operations, bound(p.error));
       svg_ += is_square ? fmt::format(
                               "<rect class=\"others\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"8\" "
                               "height=\"8\">{}</rect>",
@@ -110,7 +124,7 @@ class FrontDrawing {
   }
 
   int full_;
-  double most_;
+  double most_ = 1;  ///< right end of the axis [%]
   std::string svg_;
 };
 
@@ -137,7 +151,7 @@ std::string frontHtml(const Json& front, const std::string& file) {
   page += drawing.svg("Operations of inverse dynamics against certified error");
   put(&page,
       "</div>\n<figcaption>Each mark is a model that takes fewer operations than the scene's own "
-      "program, {}. To its left stands what it may miss of any joint's force, everywhere in the "
+      "program, {}. Below it on the axis stands what it may miss of any joint's force, everywhere in the "
       "ranges of q, q̇ and q̈ of [envelope]: proven by <code>dynwitness reduce</code> {}, not "
       "sampled. ● scenes that have lost inertial parameters; □ such scenes with terms "
       "added to their forces.</figcaption>\n</figure>\n",
@@ -149,10 +163,10 @@ std::string frontHtml(const Json& front, const std::string& file) {
       "scene</th><th scope=\"col\" class=\"n\">Proven</th></tr></thead>\n<tbody>\n";
   for (std::size_t k = 0; k < models.size() && k < scenes.size(); ++k)
     put(&page,
-        "<tr><td class=\"n\">{:.3g} %</td><td class=\"n\">{}</td><td class=\"n\">{:.3g} %</td><td "
-        "class=\"n\">{}</td><td class=\"n\">{:.3g} %</td></tr>\n",
-        100 * models[k].at("allowed").get<double>(), all[k].operations, all[k].error,
-        scenes[k].operations, scenes[k].error);
+        "<tr><td class=\"n\">{:.3g} %</td><td class=\"n\">{}</td><td class=\"n\">{} %</td><td "
+        "class=\"n\">{}</td><td class=\"n\">{} %</td></tr>\n",
+        100 * models[k].at("allowed").get<double>(), all[k].operations, bound(all[k].error),
+        scenes[k].operations, bound(scenes[k].error));
   return page + "</tbody></table></div>\n";
 }
 

@@ -76,10 +76,10 @@ BOOST_AUTO_TEST_CASE(a_front_has_a_mark_for_each_model_at_its_place) {
   const std::string page = sectionOf(front().dump());
   BOOST_TEST(count(page, "<circle class=\"ours\"") == 3);
   BOOST_TEST(count(page, "<rect class=\"others\"") == 3);
-  BOOST_TEST(has(page, "<title>60 operations, 0.8 %</title>"));
+  BOOST_TEST(has(page, "<title>60 operations, 0.8"));
   BOOST_TEST(has(page, "own program: 100"));
-  // the widest error on the right edge, the scene's own program 256 / 1.08 px above the axis
-  BOOST_TEST(has(page, "cx=\"570.0\""));
+  // 9.5 of 10 % of 514 px, the scene's own program 256 / 1.08 px above the axis
+  BOOST_TEST(has(page, "cx=\"544.3\""));
   BOOST_TEST(has(page, "cx=\"56.0\" cy=\"53.0\""));
 }
 
