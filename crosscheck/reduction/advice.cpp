@@ -29,8 +29,8 @@ using Real = long double;
 using End = std::vector<Real>;
 
 /// What is asked of `reduced()`; the scenes that it finds are few.
-const std::vector<double> kTolerances = {0.000001, 0.00001, 0.0001, 0.0003, 0.001,
-                                         0.003,    0.01,    0.03,   0.1};
+const std::vector<double> kAllowed = {0.000001, 0.00001, 0.0001, 0.0003, 0.001,
+                                      0.003,    0.01,    0.03,   0.1};
 /// Of the error that is left for integration, what roundings may have of it.
 constexpr double kForRoundings = 0.1;
 constexpr int kTimedRuns = 3, kEnvelopeTimes = 1000;
@@ -193,7 +193,7 @@ class Adviser {
       return;
     }
     ReduceOptions options;
-    options.allowed = kTolerances;
+    options.allowed = kAllowed;
     options.adds_terms = false;
     Reduction found;
     const scene::Work work("models", 1, 1);
@@ -217,7 +217,7 @@ class Adviser {
 
   void addModel(const ReducedModel& model) {
     AdvisedModel next;
-    next.tolerance = model.allowed;
+    next.allowed = model.allowed;
     next.force_error = model.share();
     next.scene = model.scene;
     stage_("the motion of the model " + next.name());
@@ -405,7 +405,7 @@ class Adviser {
 }  // namespace
 
 std::string AdvisedModel::name() const {
-  return tolerance == 0 ? "full" : fmt::format("within {:.6g} %", 100 * tolerance);
+  return allowed == 0 ? "full" : fmt::format("within {:.6g} %", 100 * allowed);
 }
 
 const char* name(AdvisedScalar scalar) {

@@ -15,7 +15,7 @@ namespace dynwitness::crosscheck {
 
 /// The scene, or a smaller one that reduced() found.
 struct AdvisedModel {
-  double tolerance = 0;    ///< what `reduce --tolerance` was given; 0: the scene itself
+  double allowed = 0;      ///< what `reduce --tolerance` was given; 0: the scene itself
   double force_error = 0;  ///< proven over the envelope, share of each joint's largest |tau|
   scene::Scene scene;
   /// Of a call of its qdd: multiplications, additions, divisions, comparisons, cosines and sines.
@@ -86,7 +86,7 @@ std::vector<std::string> explicitMethods();
 /** The cheapest combination of
 
         model       the scene, and where `ranges` are given the scenes without terms that reduced()
-                    certifies, for tolerances from 1e-6 to 0.1
+                    certifies, allowed to be off by 1e-6 to 0.1
         integrator  explicit, with equal steps: the largest that leaves a tenth of the error to
                     roundings (accurateStep())
         arithmetic  qdd as C code in float or in double (CodeMotion)

@@ -96,7 +96,7 @@ Json numberOrNull(double x) {
 
 Json jsonOf(const AdvisedModel& model) {
   return {{"name", model.name()},
-          {"tolerance", model.tolerance},
+          {"allowed", model.allowed},
           {"force_error_at_most", model.force_error},
           {"operations", model.operations},
           {"end_error", numberOrNull(model.end_error)},
@@ -129,10 +129,10 @@ std::vector<std::string> advisedCommands(const scene::Scene& scene, const Advice
   const AdvisedModel& model = advice.models[c.model];
   std::vector<std::string> out;
   std::string moved = words;
-  if (model.tolerance > 0) {
+  if (model.allowed > 0) {
     moved = "reduced.toml";
     out.push_back(fmt::format("dynwitness reduce {} --tolerance {:.6g}% --toml {}", words,
-                              100 * model.tolerance, moved));
+                              100 * model.allowed, moved));
   }
   const std::string how = fmt::format("{} --method {} --step {} --duration {}", moved, c.method,
                                       c.step, advice.duration);

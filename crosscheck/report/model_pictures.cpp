@@ -132,7 +132,7 @@ std::string frontHtml(const Json& front, const std::string& file) {
   const Json& models = front.at("models");
   if (models.size() < 2)
     throw scene::InputError({file, 0},
-                            "the model of one tolerance, allowed: several, as "
+                            "one model alone, allowed: several, as "
                             "`dynwitness reduce --front FOLDER --json FILE` writes them");
   const int full = front.at("operations").get<int>();
   const std::vector<Point> scenes = pointsOf(front.at("as_scenes")), all = pointsOf(models);

@@ -156,7 +156,7 @@ BOOST_AUTO_TEST_CASE(a_smaller_model_is_advised_where_it_does_and_named_why_not_
       BOOST_TEST(c.error() <= asked);
       BOOST_TEST((c.model > 0) == (asked > 1e-6));
       for (std::size_t m = 1; m < advice.models.size(); ++m) {
-        BOOST_TEST(advice.models[m].force_error <= advice.models[m].tolerance);
+        BOOST_TEST(advice.models[m].force_error <= advice.models[m].allowed);
         if (advice.models[m].end_error >= asked) BOOST_TEST(!advice.models[m].why_not.empty());
       }
     }

@@ -98,7 +98,7 @@ BOOST_AUTO_TEST_CASE(what_is_neither_is_refused) {
   BOOST_TEST(has(refusalOf(other.dump()), "of scene 'leg', allowed: arm"));
   Json single = front();
   single["models"] = {model(0.01, 60, 0.008)};
-  BOOST_TEST(has(refusalOf(single.dump()), "the model of one tolerance"));
+  BOOST_TEST(has(refusalOf(single.dump()), "one model alone"));
   Json broken = ladder();
   broken["rungs"][0].erase("adds");
   BOOST_TEST(has(refusalOf(broken.dump()), "adds"));
