@@ -103,7 +103,8 @@ Advice adviceFor(const scene::Scene& scene, const std::vector<scene::JointRanges
                  const AdviceOptions& options,
                  const std::function<void(const std::string&)>& stage);
 
-/// For people; programs (crosscheck/reduction/advise.schema.json); gnuplot: `curve,operations,error`.
+/// For people; programs (crosscheck/reduction/advise.schema.json); gnuplot:
+/// `curve,operations,error`.
 /// @param words  the scene as the command line has it
 std::string adviceText(const scene::Scene& scene, const Advice& advice, const std::string& words);
 std::string adviceJson(const scene::Scene& scene, const Advice& advice, const std::string& words,
