@@ -26,6 +26,7 @@
 #include "crosscheck/kernel/kernel.hpp"
 #include "crosscheck/report/atlas_glance.hpp"
 #include "crosscheck/report/json.hpp"
+#include "crosscheck/report/model_pictures.hpp"
 #include "crosscheck/report/pairs.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
@@ -51,6 +52,7 @@ struct CrosscheckArguments {
   std::vector<std::string> scenes;
   GivenScene given;  ///< without a name
   std::string report = "report", json, bench, stability;
+  std::vector<std::string> reductions;
   Options options;
   std::string parameters = kAsWritten;
   std::vector<std::string> engines;  ///< commands
@@ -109,6 +111,8 @@ std::string reproduce(const CrosscheckArguments& arguments) {
   if (!arguments.bench.empty()) command += fmt::format(" --bench '{}'", arguments.bench);
   if (!arguments.stability.empty())
     command += fmt::format(" --stability '{}'", arguments.stability);
+  for (const std::string& file : arguments.reductions)
+    command += fmt::format(" --reduction '{}'", file);
   return command;
 }
 
@@ -239,6 +243,9 @@ int runCrosscheck(const CrosscheckArguments& arguments) {
   if (!arguments.bench.empty()) bench = readBench(arguments.bench);
   const std::string atlas =
       arguments.stability.empty() ? std::string() : atlasSection(arguments.stability);
+  std::vector<std::string> names;
+  for (const scene::Scene& scene : scenes) names.push_back(scene.name);
+  const std::map<std::string, std::string> models = modelSections(arguments.reductions, names);
   requireWritable(arguments.report);
   // the report's own folder may have to be made first, which is done by then
   if (const std::filesystem::path json = arguments.json;
@@ -286,7 +293,7 @@ int runCrosscheck(const CrosscheckArguments& arguments) {
     for (const scene::Scene& scene : scenes) pairs.add(scene);
     const bool all = arguments.scenes.empty();
     writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr,
-                viewsOf(scenes), all ? &pairs : nullptr, atlas);
+                viewsOf(scenes), all ? &pairs : nullptr, atlas, models);
     if (!arguments.json.empty())
       writeWholeFile(arguments.json,
                      reportJson(result, environment, bench ? benchJson(*bench) : std::string(),
@@ -339,6 +346,11 @@ Run addCrosscheck(CLI::App* command) {
       "Show where methods fail as well: a stability.json that `dynwitness stability` "
       "wrote");
   command
+      ->add_option("--reduction", arguments->reductions,
+                   "Show on a scene's page how little model it needs: JSON that `dynwitness reduce "
+                   "--front` or `dynwitness need` wrote of it; again for more")
+      ->allow_extra_args(false);
+  command
       ->add_option("--witness", arguments->options.witnesses,
                    "Witnesses: only these are compared; laws of mechanics are tested on our sweeps "
                    "whoever is named")
@@ -368,7 +380,7 @@ Run addCrosscheck(CLI::App* command) {
           "Check this many random mechanisms, exactly and with all witnesses in double at 3 states "
           "each (or --random), instead of scenes; no report. Kernels take part when --witness "
           "names them")
-      ->excludes("--parameters", "--bench", "--stability", "--engine")
+      ->excludes("--parameters", "--bench", "--stability", "--reduction", "--engine")
       ->check(whole(1, 100000000));
   command
       ->add_flag(
@@ -376,7 +388,8 @@ Run addCrosscheck(CLI::App* command) {
           "The same about those random mechanisms that have, between them, every pair of "
           "features (joint kinds inboard and outboard, rotors, springs, turned frames, ...); "
           "exit status 1 if a pair is missing")
-      ->excludes("--mechanisms", "--parameters", "--bench", "--stability", "--engine");
+      ->excludes("--mechanisms", "--parameters", "--bench", "--stability", "--reduction",
+                 "--engine");
   const CLI::Option* joints =
       command->add_option("--most-joints", arguments->joints, "Most joints of a random mechanism")
           ->capture_default_str()

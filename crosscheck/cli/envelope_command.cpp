@@ -8,12 +8,14 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/held_joints.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/share.hpp"
 #include "crosscheck/reduction/envelope.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/envelope.hpp"
+#include "scene/held_joints.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -28,13 +30,17 @@ struct Arguments {
 
 int run(Arguments arguments) {
   requireWritableFile(arguments.json);
-  const scene::Scene scene =
+  scene::Scene scene =
       admitted(arguments.scene, Command::kEnvelope, scene::InertiaNeed::kOfNoJoint);
   requireMotion(scene);
   arguments.options.masses = shareOf("--masses-within", arguments.masses);
-  const EnvelopeBoxes boxes =
-      arguments.along.empty() ? EnvelopeBoxes{envelopeOf(arguments.scene, scene)}
-                              : boxesAlong(arguments.along, scene, arguments.options.quantities);
+  EnvelopeBoxes boxes;
+  if (arguments.along.empty()) {
+    boxes = {envelopeOf(arguments.scene, scene)};
+    tellHeldJoints(scene::fixHeldJoints(&scene, &boxes.front()), scene);
+  } else {
+    boxes = boxesAlong(arguments.along, scene, arguments.options.quantities);
+  }
   std::vector<EnvelopeBound> bounds;
   {
     Progress progress("bounds of " + scene.name);

@@ -7,6 +7,7 @@
 #include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/held_joints.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/share.hpp"
@@ -14,6 +15,7 @@
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/envelope.hpp"
+#include "scene/held_joints.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -54,9 +56,10 @@ int run(Arguments arguments) {
           {}, "--front: many models, allowed: --c and --toml of one, with --tolerance");
     arguments.options.allowed = {0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1};
   }
-  const scene::Scene scene = admitted(arguments.scene, Command::kReduce);
+  scene::Scene scene = admitted(arguments.scene, Command::kReduce);
   requireMotion(scene);
-  const std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
+  std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
+  tellHeldJoints(scene::fixHeldJoints(&scene, &ranges), scene);
   Reduction reduction;
   {
     Progress progress("reduction of " + scene.name);

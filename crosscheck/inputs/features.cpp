@@ -119,6 +119,9 @@ struct Rules {
          followers,
          {Kind::kRefused, "engines are timed on trees, where every joint has a rate of its own"}},
         {Command::kCheckFormulas, followers, own_rates},
+        {Command::kAdvise,
+         followers,
+         {Kind::kRefused, "no code is written for joints that share a rate"}},
         {Command::kRotors, followers, own_rates},
         {Command::kGeometry, followers, own_rates},
         {Command::kAction, followers, own_rates},
@@ -140,7 +143,8 @@ struct Rules {
     for (const Command command :
          {Command::kDeriveOperations, Command::kDeriveCode, Command::kEvaluateJoints,
           Command::kEvaluateTasks, Command::kChart, Command::kImpulse, Command::kImpedance,
-          Command::kSweep, Command::kEnvelope, Command::kReduce, Command::kLinearize})
+          Command::kSweep, Command::kEnvelope, Command::kReduce, Command::kAdvise,
+          Command::kLinearize})
       out.push_back({command, geared, joint_by_joint});
     for (const Command command :
          {Command::kCheck, Command::kGrade, Command::kGolden, Command::kRotors})
@@ -287,6 +291,17 @@ struct Rules {
                      {Feature::kStart},
                      {Kind::kNoPart, "bounds hold all over [envelope], whatever the start"}});
     }
+    out.push_back({Command::kAdvise, closures + point_springs, no_program});
+    out.push_back(
+        {Command::kAdvise,
+         {Feature::kCoulombFriction},
+         {Kind::kRefused,
+          "it jumps where a joint turns back: no integrator has its order there; allowed: viscous "
+          "friction"}});
+    out.push_back(
+        {Command::kAdvise,
+         prescribed,
+         {Kind::kRefused, "the code that is advised is that of the tree, all its joints free"}});
     return out;
   }
   std::vector<Rule> ofStudies() const {
@@ -522,6 +537,8 @@ const char* name(Command command) {
       return "reduce";
     case Command::kNeed:
       return "need";
+    case Command::kAdvise:
+      return "advise";
     case Command::kShow:
       return "show";
   }

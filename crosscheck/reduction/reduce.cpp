@@ -114,7 +114,12 @@ std::vector<Base> sequence(const scene::Scene& scene, const Samples& samples,
                            const std::vector<double>& largest, double until) {
   std::vector<Omission> omissions;
   using What = Omission::What;
-  for (std::size_t l = 1; l < scene.mechanism.links.size(); ++l) {
+  const std::vector<scene::Link>& links = scene.mechanism.links;
+  std::vector<bool> moves(links.size(), false);  // what rests is in no force
+  for (std::size_t l = 1; l < links.size(); ++l) {
+    moves[l] = moves[static_cast<std::size_t>(links[l].parent)] ||
+               links[l].joint.kind != scene::JointKind::kFixed;
+    if (!moves[l]) continue;
     for (const What what :
          {What::kProducts, What::kInertia, What::kOnAxis, What::kMass, What::kRotor})
       omissions.push_back({l, what});
@@ -432,7 +437,7 @@ class Reducer {
     found_.resize(options_.allowed.size());
     scenes_.resize(options_.allowed.size());
     tryScenes();
-    tryBases();
+    if (options_.adds_terms) tryBases();
     const double rules = options_.armstrong > 0 ? 1 : 0;
     scene::Work work("errors", static_cast<double>(options_.allowed.size()) + rules, kErrors);
     for (std::size_t t = 0; t < options_.allowed.size(); ++t, work.done()) {

@@ -77,6 +77,7 @@ struct ReduceOptions {
   std::vector<double> allowed = {0.01};  ///< shares of the largest |tau_i|, ascending
   double armstrong = 0;                  ///< also his rule with this share; 0: not
   int boxes = 20000;                     ///< at most, for the error of one joint's force in the end
+  bool adds_terms = true;                ///< false: scenes alone, in a fifth of the time
 };
 
 /** Looks for models of fewer operations with |tau_i - reduced tau_i| <= allowed x max |tau_i| for

@@ -16,6 +16,7 @@ struct SceneFiles {
   std::string page;    ///< the scene's own, relative to the report's folder; unique
   std::string anchor;  ///< of its headline
   std::string tree;    ///< svg; empty: the tree is too large to draw
+  std::string models;  ///< its part of modelSections(), HTML; may be empty
   std::string view;    ///< the picture that moves, a page of its own; empty: left out
   std::string drift_csv, drift_worst_csv, drift_script;  ///< empty: no drift was computed
   std::string drift;                                     ///< svg; empty: left out, see below

@@ -197,6 +197,7 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   putTree(page, scene, files);
   putEquations(page, scene);
   putLedger(page, scene);
+  *page += files.models;
   putChecks(page, scene);
   putControls(page, scene);
   putDigits(page, scene);

@@ -121,7 +121,8 @@ std::string chapterSection(const std::filesystem::path& folder) {
 void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts,
                  const BenchResult* bench, const std::vector<std::string>& views,
-                 const PairTable* pairs, const std::string& atlas) {
+                 const PairTable* pairs, const std::string& atlas,
+                 const std::map<std::string, std::string>& models) {
   if (!charts.empty() && charts.size() != result.scenes.size())
     throw std::invalid_argument(fmt::format("writeReport: charts: expected none or {}, got {}",
                                             result.scenes.size(), charts.size()));
@@ -143,6 +144,8 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
       files[i].tree = "tree.svg";
       out.write(scene_folder + "/tree.svg", svg);
     }
+    if (const auto found = models.find(scene.name); found != models.end())
+      files[i].models = found->second;
     if (!views.empty() && !views[i].empty()) {
       files[i].view = "view.html";
       out.write(scene_folder + "/view.html", views[i]);

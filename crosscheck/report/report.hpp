@@ -15,6 +15,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "crosscheck/chart/chart.hpp"
@@ -35,12 +37,14 @@ namespace dynwitness::crosscheck {
     @param views   pages of pictures (showPage), none or one a scene; an empty one is left out
     @param pairs   of features, of the scenes together, for a section of their own; none: no section
     @param atlas   atlasSection(); may be empty
+    @param models  modelSections(), by the scene's name; may be empty
     @throws scene::InputError   as requireWritable(), before any work
     @throws std::runtime_error  writing failed (disk full, ...); the folder is as it was before */
 void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts = {},
                  const BenchResult* bench = nullptr, const std::vector<std::string>& views = {},
-                 const PairTable* pairs = nullptr, const std::string& atlas = {});
+                 const PairTable* pairs = nullptr, const std::string& atlas = {},
+                 const std::map<std::string, std::string>& models = {});
 
 /** Writes bench.csv, bench.gp and, where gnuplot can, the pictures, and says where they are
     relative to `folder`.

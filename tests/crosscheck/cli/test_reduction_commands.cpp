@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `envelope` and `reduce` as their user calls them: changes of the scene against the closed form of
 // a pendulum, and what they cannot answer is refused at once.
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
@@ -144,7 +147,7 @@ BOOST_AUTO_TEST_CASE(what_has_no_answer_is_refused_at_once) {
   for (const char* file : {"none.toml", "fixed.toml"})
     bothRefuse(program, file, std::string(file) + ": no joint moves, expected at least one");
   bothRefuse(program, "chain_100", "no [envelope]");
-  bothRefuse(program, "humanoid", "no [envelope]");
+  bothRefuse(program, "acrobot", "no [envelope]");
   bothRefuse(program, "heavy_top", "heavy_top.toml:");
   bothRefuse(program, "heavy_top", "is spherical");
   BOOST_TEST(program.run("write chain_100 --format toml -o chain.toml").status == 0);
@@ -169,4 +172,100 @@ BOOST_AUTO_TEST_CASE(what_has_no_answer_is_refused_at_once) {
   bothRefuse(program, "star.toml", "14 joints move");
   writeStar(8);
   BOOST_TEST(program.run("envelope star.toml").status == 0);
+}
+
+// The commands that `advise` prints are run, and their end is held to that of the scene itself by
+// another method.
+BOOST_AUTO_TEST_CASE(what_is_advised_is_done_by_the_commands_that_are_printed) {
+  const Program program;
+  const double asked = 0.02;
+  const Outcome outcome = program.run(fmt::format(
+      "advise puma_560 --error {} --duration 1 --method runge_kutta4 --json advice.json", asked));
+  BOOST_REQUIRE(outcome.status == 0);
+  const auto advice = nlohmann::json::parse(program.read("advice.json"));
+  const auto chosen = advice.at("candidates").at(advice.at("chosen").get<std::size_t>());
+  BOOST_TEST(chosen.at("model") != "full");
+  BOOST_TEST(chosen.at("arithmetic") == "float");
+  const auto endOf = [&](const std::string& words) {
+    const Outcome run = program.run(words + " --csv motion.csv --outputs 1");
+    BOOST_REQUIRE(run.status == 0);
+    const std::string csv = program.read("motion.csv");
+    const std::size_t last = csv.rfind('\n', csv.size() - 2) + 1;
+    std::vector<double> row;
+    std::istringstream cells(csv.substr(last));
+    for (std::string cell; std::getline(cells, cell, ',');)
+      row.push_back(cell.empty() ? 0 : std::stod(cell));
+    return std::vector<double>(row.begin() + 1, row.begin() + 13);  // after time: q, qd
+  };
+  std::vector<double> end;
+  for (const auto& command : advice.at("commands")) {
+    const std::string words = command.get<std::string>().substr(std::string("dynwitness ").size());
+    if (words.rfind("simulate", 0) == 0)
+      end = endOf(words);
+    else
+      BOOST_TEST(program.run(words).status == 0, words);
+  }
+  BOOST_TEST((program.read("code/reduced.c").find("float") != std::string::npos));
+  const std::vector<double> reference =
+      endOf("simulate puma_560 --method gauss_6 --step 0.001 --duration 1");
+  BOOST_REQUIRE(end.size() == 12U);
+  double error = 0;
+  for (std::size_t k = 0; k < end.size(); ++k)
+    error = std::max(error, std::abs(end[k] - reference[k]));
+  BOOST_TEST(error <= asked);
+  BOOST_TEST(error > 1e-3 * asked);  // the cheapest wastes little of it
+}
+
+BOOST_AUTO_TEST_CASE(advice_that_nobody_can_give_is_refused) {
+  const Program program;
+  const auto refuses = [&](const std::string& words, const std::string& reason) {
+    dynwitness::fixtures::refuses(program, "advise " + words, reason);
+  };
+  refuses("double_pendulum", "--error: not given");
+  refuses("double_pendulum --error 1e-17", "roundings of double alone");
+  refuses("double_pendulum --error 1e-3 --duration 60", "chaotic");
+  refuses("double_pendulum --error 1e-3 --method gauss_4", "solve no equations");
+  refuses("andrews_squeezer --error 1e-3", "open trees");
+  refuses("puma_560_friction --error 1e-3", "jumps where a joint turns back");
+
+  const Outcome late =
+      program.run("advise double_pendulum --error 1e-3 --duration 1 --time-budget 1e-9");
+  BOOST_TEST(late.status == 1);
+  BOOST_TEST((late.out.find("none keeps it within 1e-09 s") != std::string::npos), late.out);
+  const Outcome full = program.run("advise double_pendulum --error 1e-3 --duration 1");
+  BOOST_TEST(full.status == 0);
+  BOOST_TEST(
+      (full.out.find("the full model only: the scene has no [envelope]") != std::string::npos),
+      full.out);
+}
+
+// Held joints are fixed: the same bounds as those of the scene that has them fixed by hand, tau of
+// the others alone.
+BOOST_AUTO_TEST_CASE(what_an_envelope_holds_is_fixed) {
+  const Program program;
+  const std::string hand =
+      "[[link]]\nname = \"hand\"\nparent = \"rod\"\nmass = 1\ncom = [0.1, 0, 0]\n"
+      "inertia = { about = \"com\", xx = 0.1, yy = 0.2, zz = 0.2 }\n[link.joint]\nname = \"wrist\"\n"
+      "xyz = [0, 0, -0.5]\n";
+  const std::size_t at = kPendulum.find("[envelope]");
+  const auto with = [&](const std::string& joint, const std::string& ranges) {
+    return kPendulum.substr(0, at) + hand + joint + kPendulum.substr(at) + ranges;
+  };
+  program.write("fixed.toml", with("kind = \"fixed\"\n", ""));
+  program.write("held.toml", with("kind = \"revolute\"\naxis = [1, 0, 0]\nrotor_inertia = 0.1\n",
+                                  "wrist = { q = [0, 0], qd = [0, 0], qdd = [0, 0] }\n"));
+  const auto bounds = [&](const std::string& file) {
+    const Outcome outcome = program.run("envelope " + file + " --json bounds.json");
+    BOOST_REQUIRE(outcome.status == 0);
+    return nlohmann::json::parse(program.read("bounds.json")).at("bounds");
+  };
+  const auto held = bounds("held.toml");
+  BOOST_TEST(held.size() == 1U);
+  BOOST_TEST(held == bounds("fixed.toml"));
+  const Outcome told = program.run("reduce held.toml --toml reduced.toml", "2>&1");
+  BOOST_TEST(told.status == 0, told.out);
+  BOOST_TEST(
+      (told.out.find("holds 1 joints at 0, which are fixed here: wrist") != std::string::npos),
+      told.out);
+  BOOST_TEST(program.run("evaluate reduced.toml --quantity tau --qdd 1").status == 0);
 }

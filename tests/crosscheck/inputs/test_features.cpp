@@ -257,6 +257,8 @@ Call callOf(Command command) {
       return {"reduce scene.toml --tolerance 30% --json reduction.json", "reduction.json"};
     case Command::kNeed:
       return {"need scene --duration 0.05 --json ladder.json", "ladder.json"};
+    case Command::kAdvise:
+      return {"advise scene --error 0.001 --duration 0.05 --method runge_kutta4", ""};
     case Command::kShow:
       return {"show scene", ""};
   }
