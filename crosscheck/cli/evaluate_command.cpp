@@ -523,22 +523,23 @@ void addWhat(CLI::App& command, EvaluateArguments& arguments) {
 Run addEvaluate(CLI::App* command) {
   auto arguments = std::make_shared<EvaluateArguments>();
   command->footer(
-      "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
-      "dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
-      "dynwitness evaluate franka_panda --random 100 --quantity qdd --warn\n"
-      "dynwitness evaluate humanoid_floating --states log.csv --convention pinocchio --keep --quantity tau\n"
-      "dynwitness evaluate puma_560 --states motion.csv --quantity tau,power,kinetic,potential --format svg -o m.svg\n"
-      "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
-      "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
-      "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
-      "dynwitness evaluate acrobot --quantity position,jacobian --point lower,0,0,-2\n"
-      "dynwitness evaluate franka_panda --quantity dqdd_dq,dqdd_dqd,dqdd_dtau --units\n"
-      "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
-      "dynwitness evaluate two_handed --quantity E,beta --format json");
+      "Examples:\n"
+      "  dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
+      "  dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
+      "  dynwitness evaluate franka_panda --random 100 --quantity qdd --warn\n"
+      "  dynwitness evaluate humanoid_floating --states log.csv --convention pinocchio --keep --quantity tau\n"
+      "  dynwitness evaluate puma_560 --states motion.csv --quantity tau,power,kinetic,potential --format svg -o m.svg\n"
+      "  dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
+      "  dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
+      "  dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
+      "  dynwitness evaluate acrobot --quantity position,jacobian --point lower,0,0,-2\n"
+      "  dynwitness evaluate franka_panda --quantity dqdd_dq,dqdd_dqd,dqdd_dtau --units\n"
+      "  dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
+      "  dynwitness evaluate two_handed --quantity E,beta --format json");
   addScene(*command, arguments->scene, "Scene");
   addStates(
       *command, arguments->states,
-      "States, a CSV file: or - for standard input; q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
+      "States, a CSV file: or - for standard input; q1.. (as many as `show` has), qd1..qdn, and qdd1..qddn (of tau, "
       "reactions) or tau1..taun (of qdd, lambda, nu, ..., and of reactions under closures, springs "
       "between points or acceleration constraints; for tau and others' reactions qdd is found first); "
       "joints that follow others have none of these. Without: the scene's start, no joint forces. "

@@ -55,7 +55,7 @@ def paragraphs(lines):
     for line in lines:
         if not line:
             out.append(".PP")
-        elif line.startswith((" ", "dynwitness ")):
+        elif line.startswith(" "):
             out += [".nf", roff(line), ".fi"]
         else:
             out.append(roff(line))
