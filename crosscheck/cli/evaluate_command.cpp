@@ -363,12 +363,13 @@ scene::Scene readFor(const EvaluateArguments& arguments) {
       scene::requireInertiaOfJoints(scene, quantity);
   return scene;
 }
+
 /// The names of all columns: kept ones of the file, the states' where they are drawn, the answers'.
 std::vector<std::string> namesOfTable(const scene::Scene& scene, const EvaluateArguments& arguments,
                                       States& states, const std::vector<EvaluatedColumn>& columns,
                                       const ColumnSources& sources, bool finds_qdd) {
   std::vector<std::string> all = states.keptNames();
-  const std::vector<std::string> kept = all;
+  const std::size_t kept = all.size();
   if (arguments.states.random > 0)
     for (std::string& name : stateColumns(
              scene.mechanism, Coordinates(scene.mechanism, states.convention()).positions(),
@@ -376,14 +377,9 @@ std::vector<std::string> namesOfTable(const scene::Scene& scene, const EvaluateA
       all.push_back(std::move(name));
   for (const EvaluatedColumn& column : columns)
     for (std::string& name : headings(column, scene, arguments, states, sources)) {
-      if (std::find(kept.begin(), kept.end(), name) != kept.end())
-        throw scene::InputError(
-            {arguments.states.file, 0},
-            fmt::format("--keep: column '{}' is one of the answer, too, allowed: "
-                        "another name for it in the file",
-                        name));
       all.push_back(std::move(name));
     }
+  setApart(arguments.states.file, kept, &all);
   for (const char* asked : {"qdd1", "tau1"})
     if (arguments.states.random > 0 && std::count(all.begin(), all.end(), asked) > 1)
       throw scene::InputError({},

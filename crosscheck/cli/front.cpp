@@ -88,9 +88,10 @@ void requireKnown(const std::vector<std::string>& words, const CLI::App& app,
   for (const Command& command : commands)
     if (!is_option) names.push_back(command.name);
   if (std::find(names.begin(), names.end(), words[0]) == names.end())
-    throw scene::InputError({}, fmt::format("\"{}\" is no command{}{}, {}", words[0],
-                                            is_option ? " and no option before one" : "",
-                                            scene::didYouMean(words[0], names), all));
+    throw scene::InputError(
+        {}, fmt::format("\"{}\" is no command{}{}, {}", words[0],
+                        is_option ? " and no option before one" : "",
+                        words[0].size() < 3 ? "" : scene::didYouMean(words[0], names), all));
   if (is_option) return;
   const std::vector<std::string> options = optionNames(*app.get_subcommand(words[0]));
   for (std::size_t k = 1; k < words.size() && words[k] != "--"; ++k) {

@@ -314,7 +314,7 @@ BOOST_AUTO_TEST_CASE(help_is_a_word_too_and_what_is_no_command_gets_no_list) {
     BOOST_TEST(outcome.status == 2, words);
     BOOST_TEST(outcome.out.find("`dynwitness --help` lists") != std::string::npos, outcome.out);
     BOOST_TEST(outcome.out.find("crosscheck,") == std::string::npos, outcome.out);
-    BOOST_TEST(outcome.out.size() < 120u, outcome.out);
+    BOOST_TEST(outcome.out.size() < 160u, outcome.out);
   }
   refuses(program, "--helpp", "(did you mean --help?)");
 }

@@ -479,7 +479,7 @@ const std::vector<Refused> kRefused = {
     {"", "rubric.toml:1: rubric: has no command, allowed: a shell's words"},
     {"command = \"x\"\n" + kTask, "rubric.toml:1: command: read 'x', allowed: "},
     {kCommand, "rubric.toml: rubric: has no [[task]]"},
-    {kCommand + "comand = 1\n" + kTask, "rubric.toml:2: rubric: unknown key \"comand\", allowed: "},
+    {kCommand + "comand = 1\n" + kTask, "rubric.toml:2: rubric: unknown key \"comand\" (did you mean command?), allowed: "},
     {kCommand + "partial = 1.5\n" + kTask,
      "rubric.toml:2: partial: read 1.5, allowed: a number from 0 to 1"},
     {kCommand + "partial = nan\n" + kTask, "rubric.toml:2: partial: read nan"},
