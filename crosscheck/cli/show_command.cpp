@@ -96,8 +96,8 @@ Run addShow(CLI::App* command) {
       "  dynwitness show my_arm.urdf -o my_arm.html\n"
       "The ledger says what the equations of motion take: parameters that matter, entries of M, c\n"
       "and g that are always zero and why, operations with and without them.\n"
-      "A URDF that other commands refuse (inertias of no body, massless tips) is shown as it is\n"
-      "written, with the reason.");
+      "A URDF that other commands refuse (inertias of no body), or some of them do (a massless tip\n"
+      "has no qdd), is shown as it is written, with the reason.");
   return [arguments] { return runShow(*arguments); };
 }
 
