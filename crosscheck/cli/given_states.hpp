@@ -82,7 +82,8 @@ std::unique_ptr<States> statesOf(const StatesAsked& asked, const scene::Scene& s
 
 /** A kept column that the answer has, too, becomes "given.NAME": the reactions that `simulate`
     wrote beside those that are asked for.
-    @param all  the first `kept` are the file's     @throws scene::InputError  the file has a "given.NAME", too */
+    @param all  the first `kept` are the file's
+    @throws scene::InputError  the file has a "given.NAME", too */
 void setApart(const std::string& file, std::size_t kept, std::vector<std::string>* all);
 
 }  // namespace dynwitness::cli
