@@ -309,7 +309,10 @@ struct ExpressionParser {
     const std::string spelling = word + "(" + argument.text() + ")";
     if (const std::set<std::string> names = argument.parameters(); !names.empty())
       fail("\"" + spelling + "\" is a function of parameter \"" + *names.begin() +
-           "\", allowed: functions of numbers and pi (a parameter may be one: c = \"cos(pi/10)\")");
+           "\", which --set may change and exact checks draw at random, and no number then has all "
+           "digits of it; allowed: functions of numbers and pi, here or as one more parameter (" +
+           (word == "sqrt" ? "r = \"sqrt(2)\")"
+                           : "c = \"" + word + (word == "asin" ? "(1/3)\")" : "(pi/10)\")")));
     if (hasRounded(argument))
       fail("\"" + spelling + "\" is a function of a number that is rounded itself, allowed: " +
            "functions of rational + rational*pi");

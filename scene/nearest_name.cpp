@@ -31,7 +31,9 @@ std::string nearestName(const std::string& word, const std::vector<std::string>&
   std::string nearest;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& name : names)
-    if (const std::size_t letters = distance(word, name); letters < least) {
+    // with a letter in common, or anything of one letter would be near to all such
+    if (const std::size_t letters = distance(word, name);
+        letters < least && letters < std::max(word.size(), name.size())) {
       least = letters;
       nearest = name;
     }

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "scene/faults.hpp"
+#include "scene/nearest_name.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -125,8 +126,10 @@ void TomlFile::checkKeys(const toml::table& table, const std::string& what,
       names += (names.empty() ? "" : ", ") + std::string(name);
     }
     faults.collect([&, &key = key] {
-      throw InputError(where(key.source()), what + ": unknown key \"" + std::string(key.str()) +
-                                                "\", allowed: " + names);
+      const std::string read(key.str());
+      throw InputError(where(key.source()), what + ": unknown key \"" + read + '"' +
+                                                didYouMean(read, {allowed.begin(), allowed.end()}) +
+                                                ", allowed: " + names);
     });
   }
   faults.raise();

@@ -17,6 +17,7 @@
 #include "scene/inertia_need.hpp"
 #include "scene/mimic.hpp"
 #include "scene/mjcf.hpp"
+#include "scene/nearest_name.hpp"
 #include "scene/scene.hpp"
 #include "scene/text_file.hpp"
 #include "scene/toml_file.hpp"
@@ -279,7 +280,10 @@ JointKind TomlReader::readJointKind(const toml::table& table, const std::string&
   for (const JointKind k : kAllJointKinds) {
     if (kind == name(k)) return k;
   }
-  throw InputError(where(node), what + ": kind is \"" + kind + "\", allowed: " + allowed);
+  std::vector<std::string> kinds;
+  for (const JointKind k : kAllJointKinds) kinds.emplace_back(name(k));
+  throw InputError(where(node), what + ": kind is \"" + kind + '"' + didYouMean(kind, kinds) +
+                                    ", allowed: " + allowed);
 }
 
 void TomlReader::checkJointKeys(const toml::table& table, const std::string& what,
@@ -335,10 +339,15 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   const std::string what = "joint \"" + joint.name + '"';
   if (joint.name.empty())
     throw InputError(name_node ? where(*name_node) : where(table), what + ": empty name");
-  joint.kind = readJointKind(table, what);
-  checkJointKeys(table, what, joint.kind);
-  joint.placement = readPlacement(table, what);
-  joint.axis = optionalVector(table, what, "axis", joint.axis);
+  bool has_kind = false;
+  faults_.collect([&] {
+    joint.kind = readJointKind(table, what);
+    has_kind = true;
+  });
+  faults_.collect([&] { joint.placement = readPlacement(table, what); });
+  faults_.collect([&] { joint.axis = optionalVector(table, what, "axis", joint.axis); });
+  if (!has_kind) return joint;  // what else it may have hangs on that
+  faults_.collect([&] { checkJointKeys(table, what, joint.kind); });
   if (joint.kind == JointKind::kHelical)
     joint.pitch =
         number(required(table, what, "pitch", "the advance a radian, m/rad"), what + ": pitch");

@@ -20,6 +20,7 @@
 #include <Eigen/Geometry>
 
 #include "scene/arrange.hpp"
+#include "scene/faults.hpp"
 #include "scene/function_values.hpp"
 #include "scene/impossible_inertia.hpp"
 #include "scene/inertia_need.hpp"
@@ -97,9 +98,14 @@ class Validator {
     requireUniqueNames(mechanism_.links);
     findParameters();
     requireValues();
-    requireBodies();
+    Faults faults;
     for (const Link& link : mechanism_.links)
-      if (link.parent >= 0) requireJoint(link);
+      if (link.parent >= 0) faults.collect([&] { requireJoint(link); });
+    if (faults.isEmpty())
+      requireBodies();
+    else
+      faults.collect([&] { requireBodies(); });
+    faults.raise();
     requireCarriers();
     requireStart();
     if (need == InertiaNeed::kOfEachJoint) requireInertiaOutboard("");

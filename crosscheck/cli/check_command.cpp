@@ -168,10 +168,11 @@ Run addCheck(CLI::App* command) {
                    "answered wrongly to this file")
       ->excludes(answers);
   command->footer(
-      "dynwitness check puma_560 --engine \"python3 data/engines/open_chain.py\"\n"
-      "dynwitness check puma_560 --states states.csv --answers tau.csv\n"
-      "dynwitness check double_pendulum --answer \"M12 = m2*l1*l2*cos(q2)/2\"\n"
-      "dynwitness check double_pendulum --answers formulas.txt\n"
+      "Examples:\n"
+      "  dynwitness check puma_560 --engine \"python3 data/engines/open_chain.py\"\n"
+      "  dynwitness check puma_560 --states states.csv --answers tau.csv\n"
+      "  dynwitness check double_pendulum --answer \"M12 = m2*l1*l2*cos(q2)/2\"\n"
+      "  dynwitness check double_pendulum --answers formulas.txt\n"
       "At most ten states are asked. Each answer is judged by what an algorithm of its kind may "
       "lose; where it\n"
       "is wrong, each mistake on record is put into a textbook's formulas, and what these then say "

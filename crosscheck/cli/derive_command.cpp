@@ -275,11 +275,11 @@ Run addDerive(CLI::App* command) {
   addScene(*command, arguments->scene, "Scene");
   command->footer(
       "Examples:\n"
-      "dynwitness derive \"double pendulum\"\n"
-      "dynwitness derive double_pendulum --only M12,c2 --substitute l1=1,l2=1 --rename q1=alpha\n"
-      "dynwitness derive puma_560 --format c --quantity tau,qdd,M,c,g -o puma\n"
-      "dynwitness derive puma_560 --format c --quantity tau,M --parameters struct -o puma\n"
-      "dynwitness derive puma_560 --format c --scalar float --quantity jacobian --point link_6\n\n"
+      "  dynwitness derive \"double pendulum\"\n"
+      "  dynwitness derive double_pendulum --only M12,c2 --substitute l1=1,l2=1 --rename q1=alpha\n"
+      "  dynwitness derive puma_560 --format c --quantity tau,qdd,M,c,g -o puma\n"
+      "  dynwitness derive puma_560 --format c --quantity tau,M --parameters struct -o puma\n"
+      "  dynwitness derive puma_560 --format c --scalar float --quantity jacobian --point link_6\n\n"
       "--quantity all as c, python or sympy: M, c and g of the scene's named parameters, by T and V; "
       "sympy is a Python module of SymPy's expressions, tau among them. Any "
       "other list, --parameters struct, matlab and julia (there all is tau,qdd,M,c,g): code for a controller from "

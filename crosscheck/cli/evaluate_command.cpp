@@ -363,12 +363,13 @@ scene::Scene readFor(const EvaluateArguments& arguments) {
       scene::requireInertiaOfJoints(scene, quantity);
   return scene;
 }
+
 /// The names of all columns: kept ones of the file, the states' where they are drawn, the answers'.
 std::vector<std::string> namesOfTable(const scene::Scene& scene, const EvaluateArguments& arguments,
                                       States& states, const std::vector<EvaluatedColumn>& columns,
                                       const ColumnSources& sources, bool finds_qdd) {
   std::vector<std::string> all = states.keptNames();
-  const std::vector<std::string> kept = all;
+  const std::size_t kept = all.size();
   if (arguments.states.random > 0)
     for (std::string& name : stateColumns(
              scene.mechanism, Coordinates(scene.mechanism, states.convention()).positions(),
@@ -376,14 +377,9 @@ std::vector<std::string> namesOfTable(const scene::Scene& scene, const EvaluateA
       all.push_back(std::move(name));
   for (const EvaluatedColumn& column : columns)
     for (std::string& name : headings(column, scene, arguments, states, sources)) {
-      if (std::find(kept.begin(), kept.end(), name) != kept.end())
-        throw scene::InputError(
-            {arguments.states.file, 0},
-            fmt::format("--keep: column '{}' is one of the answer, too, allowed: "
-                        "another name for it in the file",
-                        name));
       all.push_back(std::move(name));
     }
+  setApart(arguments.states.file, kept, &all);
   for (const char* asked : {"qdd1", "tau1"})
     if (arguments.states.random > 0 && std::count(all.begin(), all.end(), asked) > 1)
       throw scene::InputError({},
@@ -523,22 +519,23 @@ void addWhat(CLI::App& command, EvaluateArguments& arguments) {
 Run addEvaluate(CLI::App* command) {
   auto arguments = std::make_shared<EvaluateArguments>();
   command->footer(
-      "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
-      "dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
-      "dynwitness evaluate franka_panda --random 100 --quantity qdd --warn\n"
-      "dynwitness evaluate humanoid_floating --states log.csv --convention pinocchio --keep --quantity tau\n"
-      "dynwitness evaluate puma_560 --states motion.csv --quantity tau,power,kinetic,potential --format svg -o m.svg\n"
-      "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
-      "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
-      "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
-      "dynwitness evaluate acrobot --quantity position,jacobian --point lower,0,0,-2\n"
-      "dynwitness evaluate franka_panda --quantity dqdd_dq,dqdd_dqd,dqdd_dtau --units\n"
-      "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
-      "dynwitness evaluate two_handed --quantity E,beta --format json");
+      "Examples:\n"
+      "  dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
+      "  dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
+      "  dynwitness evaluate franka_panda --random 100 --quantity qdd --warn\n"
+      "  dynwitness evaluate humanoid_floating --states log.csv --convention pinocchio --keep --quantity tau\n"
+      "  dynwitness evaluate puma_560 --states motion.csv --quantity tau,power,kinetic,potential --format svg -o m.svg\n"
+      "  dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
+      "  dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
+      "  dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
+      "  dynwitness evaluate acrobot --quantity position,jacobian --point lower,0,0,-2\n"
+      "  dynwitness evaluate franka_panda --quantity dqdd_dq,dqdd_dqd,dqdd_dtau --units\n"
+      "  dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
+      "  dynwitness evaluate two_handed --quantity E,beta --format json");
   addScene(*command, arguments->scene, "Scene");
   addStates(
       *command, arguments->states,
-      "States, a CSV file: or - for standard input; q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
+      "States, a CSV file: or - for standard input; q1.. (as many as `show` has), qd1..qdn, and qdd1..qddn (of tau, "
       "reactions) or tau1..taun (of qdd, lambda, nu, ..., and of reactions under closures, springs "
       "between points or acceleration constraints; for tau and others' reactions qdd is found first); "
       "joints that follow others have none of these. Without: the scene's start, no joint forces. "

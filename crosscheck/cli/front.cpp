@@ -13,7 +13,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "crosscheck/cli/help.hpp"
 #include "crosscheck/cli/old_spellings.hpp"
@@ -81,15 +80,19 @@ std::vector<std::string> optionNames(const CLI::App& command) {
 /// That the command is one, and has the options: CLI11 complains of what they leave out first.
 void requireKnown(const std::vector<std::string>& words, const CLI::App& app,
                   const std::vector<Command>& commands) {
-  if (words.empty())
-    throw scene::InputError({}, "no command, allowed: one of those that `dynwitness --help` lists");
-  if (words[0][0] == '-') return;
-  std::vector<std::string> names;
-  for (const Command& command : commands) names.push_back(command.name);
+  const char* const all = "allowed: those that `dynwitness --help` lists";
+  if (words.empty()) throw scene::InputError({}, fmt::format("no command is given, {}", all));
+  const bool is_option = words[0].compare(0, 1, "-") == 0;
+  std::vector<std::string> names = {"-h", "--help", "--help-all", "--version"};
+  if (!is_option) names.clear();
+  for (const Command& command : commands)
+    if (!is_option) names.push_back(command.name);
   if (std::find(names.begin(), names.end(), words[0]) == names.end())
     throw scene::InputError(
-        {}, fmt::format("\"{}\" is no command{}, allowed: {}", words[0],
-                        scene::didYouMean(words[0], names), fmt::join(names, ", ")));
+        {}, fmt::format("\"{}\" is no command{}{}, {}", words[0],
+                        is_option ? " and no option before one" : "",
+                        words[0].size() < 3 ? "" : scene::didYouMean(words[0], names), all));
+  if (is_option) return;
   const std::vector<std::string> options = optionNames(*app.get_subcommand(words[0]));
   for (std::size_t k = 1; k < words.size() && words[k] != "--"; ++k) {
     const std::string option = optionOf(words[k]);
@@ -121,6 +124,11 @@ int runParsed(const CLI::App& app, const std::vector<Command>& commands,
 int front(int argc, char** argv, const std::vector<Command>& commands) {
   occupyStandardFiles();
   if (const int status = orFailure([] { return requireStack(), 0; }); status != 0) return status;
+  static char help_option[] = "--help";
+  if (argc > 1 && std::strcmp(argv[1], "help") == 0) {  // "help derive" is "derive --help"
+    std::rotate(argv + 1, argv + 2, argv + argc);
+    argv[argc - 1] = help_option;
+  }
   for (const Command& command : commands)
     if (!command.add && argc > 1 && command.name == argv[1]) return become(command, argv);
   crosscheck::leaveNothingBehind();

@@ -2,6 +2,7 @@
 #include "crosscheck/cli/given_states.hpp"
 
 #include <limits>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -245,6 +246,25 @@ std::unique_ptr<States> statesOf(const StatesAsked& asked, const scene::Scene& s
   if (!asked.file.empty()) return std::make_unique<StatesOfFile>(asked, scene.mechanism);
   if (asked.random > 0) return std::make_unique<RandomStates>(asked, scene);
   return std::make_unique<GivenState>(asked, scene, start());
+}
+
+void setApart(const std::string& file, std::size_t kept, std::vector<std::string>* all) {
+  const auto end = all->begin() + static_cast<std::ptrdiff_t>(kept);
+  const std::set<std::string> own(all->begin(), end), answers(end, all->end());
+  std::vector<std::string> both;
+  for (auto name = all->begin(); name != end; ++name) {
+    if (answers.count(*name) == 0) continue;
+    both.push_back(*name);
+    *name = "given." + *name;
+    if (own.count(*name) + answers.count(*name) > 0)
+      throw scene::InputError({file, 0},
+                              fmt::format("--keep: columns '{}' and '{}', and the answer has {}, "
+                                          "too, allowed: another name for one in the file",
+                                          both.back(), *name, both.back()));
+  }
+  if (!both.empty())
+    tell(fmt::format("{}: kept as given.NAME, since the answer has them, too: {}\n", file,
+                     fmt::join(both, ", ")));
 }
 
 }  // namespace dynwitness::cli

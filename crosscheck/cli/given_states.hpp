@@ -80,4 +80,10 @@ class States {
 std::unique_ptr<States> statesOf(const StatesAsked& asked, const scene::Scene& scene,
                                  const std::function<scene::State<double>()>& start);
 
+/** A kept column that the answer has, too, becomes "given.NAME": the reactions that `simulate`
+    wrote beside those that are asked for.
+    @param all  the first `kept` are the file's
+    @throws scene::InputError  the file has a "given.NAME", too */
+void setApart(const std::string& file, std::size_t kept, std::vector<std::string>* all);
+
 }  // namespace dynwitness::cli

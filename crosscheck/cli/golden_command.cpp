@@ -234,7 +234,8 @@ Run addGolden(CLI::App* command) {
   addOutput(*command, arguments->output,
             "folder for SCENE.json, .csv and .h, index.json, and verifiers");
   command->footer(
-      "dynwitness golden puma_560 -o golden\n"
+      "Examples:\n"
+      "  dynwitness golden puma_560 -o golden\n"
       "Then in that folder, with answers in lines state,quantity,row,column,value:\n"
       "  python3 verify.py puma_560.csv answers.csv\n"
       "or node verify.mjs, or verify.cpp compiled: no other files are needed. The same seed gives the "

@@ -70,8 +70,9 @@ Run addGrade(CLI::App* command) {
   command->add_flag("--again", arguments->again, "Run those, too, that were run before");
   command->add_flag("--example", arguments->example, "Print a rubric, with comments");
   command->footer(
-      "dynwitness grade --example > rubric.toml\n"
-      "dynwitness grade submissions --rubric rubric.toml -o grades\n"
+      "Examples:\n"
+      "  dynwitness grade --example > rubric.toml\n"
+      "  dynwitness grade submissions --rubric rubric.toml -o grades\n"
       "Each submission runs on a copy in a folder of its own, within the rubric's limits, and where "
       "the machine\n"
       "can hide anything (user namespaces) sees neither the others nor a network. Ended at any "

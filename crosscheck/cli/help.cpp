@@ -24,7 +24,7 @@ std::vector<std::string> broken(const std::string& paragraph, std::size_t letter
 }
 
 bool staysAsItIs(const std::string& line) {
-  return line.empty() || line[0] == ' ' || line.compare(0, 11, "dynwitness ") == 0;
+  return line.empty() || line[0] == ' ';
 }
 
 /// An example of at most so many letters a line, to be copied as it stands: broken between words,
@@ -59,6 +59,15 @@ std::string brokenExample(const std::string& line) {
 bool isExample(const std::string& line) {
   const std::size_t first = line.find_first_not_of(' ');
   return first != std::string::npos && line.compare(first, 11, "dynwitness ") == 0;
+}
+
+/// What is said of an example stands before it where both do not fit into a line.
+std::string example(const std::string& line) {
+  if (line.size() <= kColumns) return line;
+  const std::size_t remark = line.rfind(" # ");
+  if (remark == std::string::npos) return brokenExample(line);
+  const std::size_t end = line.find_last_not_of(' ', remark);
+  return "  " + line.substr(remark + 1) + "\n" + brokenExample(line.substr(0, end + 1));
 }
 
 }  // namespace
@@ -98,7 +107,9 @@ std::string HelpFormatter::make_description(const CLI::App* app) const {
 std::string HelpFormatter::make_footer(const CLI::App* app) const {
   std::istringstream lines(app->get_footer());
   std::string out, paragraph;
+  bool after_example = false;
   const auto flow = [&] {
+    if (after_example && !paragraph.empty()) out += "\n";
     for (const std::string& line : broken(paragraph, kColumns)) out += "\n" + line;
     paragraph.clear();
   };
@@ -108,10 +119,19 @@ std::string HelpFormatter::make_footer(const CLI::App* app) const {
       continue;
     }
     flow();
-    out += "\n" + (isExample(line) && line.size() > kColumns ? brokenExample(line) : line);
+    after_example = isExample(line);
+    out += "\n" + (after_example ? example(line) : line);
   }
   flow();
   return out.empty() ? out : out + "\n";
+}
+
+std::string HelpFormatter::make_expanded(const CLI::App* command) const {
+  std::string text = CLI::Formatter::make_expanded(command);
+  // its indent would make lines of 80 columns longer
+  for (std::size_t at = 0; (at = text.find("\n  ", at)) != std::string::npos; ++at)
+    text.erase(at + 1, 2);
+  return text;
 }
 
 }  // namespace dynwitness::cli

@@ -55,24 +55,25 @@ def paragraphs(lines):
     for line in lines:
         if not line:
             out.append(".PP")
-        elif line.startswith((" ", "dynwitness ")):
+        elif line.startswith(" "):
             out += [".nf", roff(line), ".fi"]
         else:
             out.append(roff(line))
     return out
 
 
-def man_page(commands, pages):
+def man_page(commands, pages, notes):
     out = [".TH DYNWITNESS 1", ".SH NAME",
            "dynwitness \\- independent computations of a mechanism\\(aqs dynamics testify against each other",
            ".SH SYNOPSIS", ".B dynwitness", ".I COMMAND", "[\\fIOPTION\\fR...] [\\fISCENE\\fR...]", ".SH COMMANDS"]
     for name, description in commands:
-        usage, options, _ = pages[name]
+        usage, options, footer = pages[name]
         out += [".SS " + name, roff(description), ".PP", ".B " + roff(usage)]
         for names, value, choices, text in options:
             what = " \\fI%s\\fR" % ("|".join(map(roff, choices)) or value) if value else ""
             out += [".TP", "\\fB" + ", ".join(map(roff, names)) + "\\fR" + what, roff(text)]
-    out += [".SH NOTES"] + paragraphs(pages[commands[0][0]][2])
+        out += [".PP"] + paragraphs(footer)
+    out += [".SH NOTES"] + paragraphs(notes)
     return "\n".join(out) + "\n"
 
 
@@ -81,7 +82,7 @@ def completion(commands, pages):
            '  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options="" values=""',
            "  COMPREPLY=()",
            "  if [[ $COMP_CWORD == 1 ]]; then",
-           "    COMPREPLY=($(compgen -W '%s --help --version' -- \"$word\"))" % " ".join(n for n, _ in commands),
+           "    COMPREPLY=($(compgen -W '%s help --help --version' -- \"$word\"))" % " ".join(n for n, _ in commands),
            "    return", "  fi", '  case ${COMP_WORDS[1]} in']
     for name, _ in commands:
         options = pages[name][1]
@@ -143,8 +144,11 @@ def main():
     commands = [(words[0], words[2].strip()) for words in
                 (line.split(None, 2) for line in open(listed) if line.strip() and not line.startswith("#"))]
     pages = {name: read(help_of(program, name)) for name, _ in commands}
+    # what --help says of all commands stands behind the list of them
+    help_of_all = help_of(program).splitlines()
+    notes = help_of_all[max(k for k, line in enumerate(help_of_all) if line.startswith("  ")) + 1:]
     os.makedirs(folder, exist_ok=True)
-    for file, text in (("dynwitness.1", man_page(commands, pages)), ("dynwitness.bash", completion(commands, pages)),
+    for file, text in (("dynwitness.1", man_page(commands, pages, notes)), ("dynwitness.bash", completion(commands, pages)),
                        ("_dynwitness", zsh_completion(commands, pages))):
         with open(os.path.join(folder, file), "w") as out:
             out.write(text)

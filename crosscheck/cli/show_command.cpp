@@ -33,6 +33,16 @@ std::string urdfText(const std::filesystem::path& file) {
   return is_xml && text.find("<robot") != std::string::npos ? text : std::string();
 }
 
+/// Whether what is wrong with the scene hinders those quantities alone that take the inverse of M.
+bool isWholeWithoutInverse(const GivenScene& given) {
+  try {
+    readSceneFor(given, "");
+    return true;
+  } catch (const scene::InputError&) {
+    return false;
+  }
+}
+
 /// The scene; a URDF that no motion can be computed of is shown as it is written, and why.
 Shown read(const GivenScene& given) {
   Shown shown;
@@ -44,7 +54,10 @@ Shown read(const GivenScene& given) {
     scene::Urdf urdf = scene::readUrdfAsWritten(text, given.name);
     shown = {std::move(urdf.scene), std::move(urdf.parts), {}};
     shown.warnings = scene::impossibleInertias(shown.scene);
-    if (shown.warnings.empty()) shown.warnings.emplace_back(error.what());
+    if (shown.warnings.empty()) {
+      shown.warnings.emplace_back(error.what());
+      shown.has_no_inverse = isWholeWithoutInverse(given);
+    }
     return shown;
   }
   if (const std::string text = urdfText(shown.scene.file); !text.empty())
@@ -83,8 +96,8 @@ Run addShow(CLI::App* command) {
       "  dynwitness show my_arm.urdf -o my_arm.html\n"
       "The ledger says what the equations of motion take: parameters that matter, entries of M, c\n"
       "and g that are always zero and why, operations with and without them.\n"
-      "A URDF that other commands refuse (inertias of no body, massless tips) is shown as it is\n"
-      "written, with the reason.");
+      "A URDF that other commands refuse (inertias of no body), or some of them do (a massless tip\n"
+      "has no qdd), is shown as it is written, with the reason.");
   return [arguments] { return runShow(*arguments); };
 }
 

@@ -462,14 +462,15 @@ void addPictures(CLI::App& command, SimulateArguments& arguments) {
 Run addSimulate(CLI::App* command) {
   auto arguments = std::make_shared<SimulateArguments>();
   command->footer(
-      "dynwitness simulate car_axis --duration 3\n"
-      "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
-      "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare\n"
-      "dynwitness simulate double_pendulum --q 1,0.5 --until \"q2 = 0 rising\" --times 5\n"
-      "dynwitness simulate acrobot --tau \"elbow=2*sin(3*t)\" --csv motion.csv\n"
-      "dynwitness simulate acrobot --method runge_kutta4,gauss_4,implicit_midpoint --plot methods.svg\n"
-      "dynwitness simulate two_handed --duration 1              its acceleration constraints hold it\n"
-      "dynwitness simulate two_handed --duration 1 --controller operational_space --task-gains 100,20 --posture "
+      "Examples:\n"
+      "  dynwitness simulate car_axis --duration 3\n"
+      "  dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
+      "  dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare\n"
+      "  dynwitness simulate double_pendulum --q 1,0.5 --until \"q2 = 0 rising\" --times 5\n"
+      "  dynwitness simulate acrobot --tau \"elbow=2*sin(3*t)\" --csv motion.csv\n"
+      "  dynwitness simulate acrobot --method runge_kutta4,gauss_4,implicit_midpoint --plot methods.svg\n"
+      "  dynwitness simulate two_handed --duration 1  # its acceleration constraints hold it\n"
+      "  dynwitness simulate two_handed --duration 1 --controller operational_space --task-gains 100,20 --posture "
       "20,4");
   addScene(*command, arguments->scene, "Scene");
   addStart(*command, arguments->start);

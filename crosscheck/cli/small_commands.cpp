@@ -86,6 +86,7 @@ Run addScenes(CLI::App* command) {
       "--features", *features, "What each command makes of each part of a scene, in markdown");
   addFormat(*command, *format);
   command->get_option("--format")->excludes(as_table);
+  command->footer("Examples:\n  dynwitness scenes\n  dynwitness scenes --format json");
   return [features, format] {
     if (!*features) return printScenes(*format == "json");
     fmt::print("{}", featuresMarkdown());
@@ -96,6 +97,7 @@ Run addScenes(CLI::App* command) {
 Run addVersion(CLI::App* command) {
   auto format = std::make_shared<std::string>("text");
   addFormat(*command, *format);
+  command->footer("Examples:\n  dynwitness version\n  dynwitness version --format json");
   return [format] { return printVersion(*format == "json"); };
 }
 

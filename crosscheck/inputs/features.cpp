@@ -460,7 +460,9 @@ std::vector<std::string> sentences(const scene::Scene& scene, Command command, K
     const Treatment t = treatment(command, found.feature);
     if (t.kind != kind || std::count(reasons.begin(), reasons.end(), t.reason) > 0) continue;
     reasons.emplace_back(t.reason);
-    out.push_back(found.what + ": " + t.reason);
+    // "joint limits not modelled" says it itself
+    const bool says_it = found.feature == Feature::kNotModelled;
+    out.push_back(says_it ? found.what : found.what + ": " + t.reason);
   }
   return out;
 }
@@ -490,11 +492,11 @@ const char* name(Command command) {
     case Command::kDerive:
       return "derive";
     case Command::kDerivePrograms:
-      return "derive (c, python)";
+      return "derive (c, python, sympy)";
     case Command::kDeriveOperations:
       return "derive --operations";
     case Command::kDeriveCode:
-      return "derive --quantity tau,qdd,... (code)";
+      return "derive --quantity tau,qdd,... (c, python, matlab, julia)";
     case Command::kEvaluateTree:
       return "evaluate (M, c, g, energies, momentum)";
     case Command::kEvaluateJoints:

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "scene/error.hpp"
+#include "scene/nearest_name.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -12,11 +14,14 @@ namespace dynwitness::crosscheck {
 template <typename Methods>
 const auto& methodNamed(const Methods& methods, const std::string& name) {
   std::string names;
+  std::vector<std::string> all;
   for (const auto& method : methods) {
     if (name == method.name) return method;
+    all.emplace_back(method.name);
     names += std::string(names.empty() ? "" : ", ") + method.name;
   }
-  throw scene::InputError({}, "unknown method '" + name + "', allowed: " + names);
+  throw scene::InputError(
+      {}, "unknown method '" + name + '\'' + scene::didYouMean(name, all) + ", allowed: " + names);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -373,6 +373,11 @@ std::vector<std::string> notes(const Facts& facts) {
 }
 
 constexpr const char* kLedger = "Ledger: what the equations of motion of its tree take";
+const char* refusedBy(const Shown& shown) {
+  return shown.has_no_inverse ? "Refused by what takes the inverse of M (qdd, simulate, ...)"
+                              : "Other commands refuse it";
+}
+
 constexpr const char* kNever = "contact, limits of joints and actuators are no part of any scene";
 
 std::string sizeText(const Facts& facts) {
@@ -416,7 +421,7 @@ std::string showText(const Shown& shown) {
   text += fmt::format("  {}\n", kNever);
   if (shown.ledger) text += fmt::format("\n{}\n{}", kLedger, ledgerText(*shown.ledger));
   if (!shown.warnings.empty()) {
-    text += "\nOther commands refuse it\n";
+    text += fmt::format("\n{}\n", refusedBy(shown));
     for (const std::string& line : shown.warnings) text += "  " + oneLine(line) + "\n";
   }
   return text;
@@ -443,7 +448,7 @@ std::string showPage(const Shown& shown, const View& view, const std::string& ve
     for (const std::string& line : lines) html += "<li>" + escapeMarkup(line) + "</li>\n";
     return html + "</ul>\n";
   };
-  std::string body = list("Other commands refuse it", shown.warnings);
+  std::string body = list(refusedBy(shown), shown.warnings);
   if (const Table joints = jointTable(facts); !joints.rows.empty())
     body += htmlOf(joints, scene.name);
   body += list("", notes(facts)) + htmlOf(linkTable(facts), scene.name);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/witnesses/witnesses.hpp"
+#include "scene/nearest_name.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -71,7 +72,9 @@ std::vector<WitnessKind> witnessKinds() {
 std::vector<WitnessKind> selectWitnesses(const std::vector<std::string>& names) {
   std::vector<WitnessKind> selected;
   std::string known;
+  std::vector<std::string> all;
   for (const WitnessKind& kind : witnessKinds()) {
+    if (kind.info.present) all.push_back(kind.info.name);
     known += (known.empty() ? "" : ", ") + kind.info.name + (kind.info.present ? "" : " (absent)");
     const bool asked = names.empty() ? kind.info.present
                                      : std::count(names.begin(), names.end(), kind.info.name) > 0;
@@ -81,7 +84,8 @@ std::vector<WitnessKind> selectWitnesses(const std::vector<std::string>& names) 
     const bool found = std::any_of(selected.begin(), selected.end(),
                                    [&](const WitnessKind& k) { return k.info.name == name; });
     if (!found)
-      throw scene::InputError({}, fmt::format("unknown witness '{}', allowed: {}", name, known));
+      throw scene::InputError({}, fmt::format("unknown witness '{}'{}, allowed: {}", name,
+                                              scene::didYouMean(name, all), known));
   }
   return selected;
 }

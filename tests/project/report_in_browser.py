@@ -6,7 +6,7 @@
 
 Opens FOLDER/index.html and the pages of its scenes from the disk, for light and dark readers and on a
 narrow screen. Exit status 1:
-an error was logged, a picture is missing, a formula did not render, a link leads nowhere, something
+an error was logged, a picture is missing, its letters are not to be read in light or dark, a formula did not render, a link leads nowhere, something
 was asked from the network, the page is wider than the screen, or all pages together take more than PAGES of
 paper (Letter, which is the shorter). 77: there is no Chromium.
 """
@@ -97,9 +97,39 @@ LOOK = r"""
     wrong.push(`the page is wider than the screen: ${page.scrollWidth} > ${page.clientWidth}`);
   if (!document.querySelector('h1') || !document.querySelector('h1').textContent.trim()) wrong.push('no headline');
   for (const d of document.querySelectorAll('details')) d.open = false;
-  return {wrong, files, pictures: pictures.length, trees: trees.length, formulas: formulas.length};
+  return {wrong, files, pictures: pictures.length, trees: trees.length, formulas: formulas.length,
+    paper: getComputedStyle(document.body).backgroundColor,
+    drawings: pictures.map(image => image.currentSrc).filter(source => source.endsWith('.svg'))};
 })()
 """
+
+# Runs in a drawing that is the whole page, on PAPER: letters, and lines that are drawn, with the contrast that they have.
+LOOK_AT_DRAWING = r"""
+((paper, least) => {
+  const wrong = [];
+  const numbers = colour => { const n = (colour.match(/[\d.]+/g) || []).map(Number); return n.length < 3 ? null : n; };
+  const light = ([r, g, b]) => {
+    const [x, y, z] = [r, g, b].map(v => v / 255).map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+    return 0.2126 * x + 0.7152 * y + 0.0722 * z;
+  };
+  const contrast = (a, b) => { const [x, y] = [light(a), light(b)].sort((s, t) => t - s); return (x + 0.05) / (y + 0.05); };
+  const whole = document.documentElement;
+  const ground = [...document.querySelectorAll('rect, polygon')].map(e => [e.getBoundingClientRect(), numbers(getComputedStyle(e).fill)])
+    .find(([box, fill]) => fill && box.width >= 0.99 * whole.clientWidth && box.height >= 0.99 * whole.clientHeight);
+  const sheet = ground ? ground[1] : numbers(paper);
+  let seen = 0;
+  for (const letters of document.querySelectorAll('text')) {
+    if (!letters.textContent.trim()) continue;
+    const fill = numbers(getComputedStyle(letters).fill), has = fill ? contrast(fill, sheet) : 0;
+    ++seen;
+    if (has < least) wrong.push(`letters "${letters.textContent.trim().slice(0, 30)}" have a contrast of ${has.toFixed(2)}, at least ${least}`);
+  }
+  if (!seen) wrong.push('no letters');
+  return wrong.slice(0, 3);
+})"""
+
+# of letters: Web Content Accessibility Guidelines 2.1, 1.4.3, level AA
+LEAST_CONTRAST = 4.5
 
 
 def find_chromium():
@@ -198,6 +228,25 @@ def sheets_of(browser, session):
     return len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf))
 
 
+def hard_to_read(browser, drawing, light, paper):
+    """What of a drawing a reader of this light does not see on this paper. Drawings in pages take their colours from what
+    the reader prefers, as they do alone, where a script can ask for them."""
+    target = browser.call("Target.createTarget", url="about:blank")["targetId"]
+    session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+    browser.events.clear()
+    for domain in ("Page", "Runtime"):
+        browser.call(f"{domain}.enable", session)
+    browser.call("Emulation.setEmulatedMedia", session, features=[{"name": "prefers-color-scheme", "value": light}])
+    browser.call("Page.navigate", session, url=drawing)
+    browser.wait_for("Page.loadEventFired")
+    answer = browser.call("Runtime.evaluate", session, returnByValue=True,
+                          expression=f"{LOOK_AT_DRAWING}({json.dumps(paper)}, {LEAST_CONTRAST})")
+    if "exceptionDetails" in answer:
+        sys.exit(f"report_in_browser: {answer['exceptionDetails']}")
+    browser.call("Target.closeTarget", targetId=target)
+    return answer["result"]["value"]
+
+
 def malformed_formulas(page):
     """HTML mends broken markup silently, so formulas are read as XML too."""
     def character(match):
@@ -229,7 +278,7 @@ def main():
         return SKIP
 
     pages = [index, *sorted(index.parent.glob("scenes/*/index.html"))]
-    wrong, total, sheets = [], {"pictures": 0, "trees": 0, "formulas": 0}, 0
+    wrong, total, sheets, drawings = [], {"pictures": 0, "trees": 0, "formulas": 0}, 0, 0
     for one in pages:
         page = one.read_text(encoding="utf-8")
         wrong += malformed_formulas(page)
@@ -261,6 +310,11 @@ def main():
                 part = urllib.parse.urlsplit(link)
                 if part.scheme != "file" or not Path(urllib.parse.unquote(part.path)).is_file():
                     wrong.append(f"{where}link to nowhere: {link}")
+            if view != "narrow":
+                for drawing in found["drawings"]:
+                    wrong += [f"{where}{urllib.parse.urlsplit(drawing).path.rsplit('/', 1)[1]}: {sentence}"
+                              for sentence in hard_to_read(browser, drawing, light, found["paper"])]
+                    drawings += 1
             if view == "light":
                 for kind in total:
                     total[kind] += found[kind]
@@ -277,7 +331,7 @@ def main():
     for sentence in dict.fromkeys(wrong):
         print(f"report_in_browser: {sentence}")
     print(f"report_in_browser: {index}: {len(pages)} pages, {total['pictures']} pictures, "
-          f"{total['trees']} trees, {total['formulas']} formulas"
+          f"{total['trees']} trees, {total['formulas']} formulas, {drawings} drawings in light and dark"
           f"{f', {sheets} sheets of paper' if sheets else ''}: {'as they should be' if not wrong else 'NOT as they should be'}")
     return 1 if wrong else 0
 

@@ -100,10 +100,18 @@ check 'the version is that of the project' prints 'dynwitness 1.2.3'
 check 'and builds nothing' builds_nothing
 call reader
 check 'a word that is no command is refused' exits 2
-check 'with what is near' says '"reader" is no command, did you mean readers?; allowed: test bench package python docs exit readers'
+check 'with what is near' \
+  says '"reader" is no command (did you mean readers?), allowed: those that `dynwitness --help` lists'
+check 'and no list of all' does_not_say package
 check 'and builds nothing' builds_nothing
 call --frobnicate
 check 'an option that is none is refused' exits 2
+call pckage
+check 'a letter that is missing is not missed' says '(did you mean package?)'
+for words in -x frobnicate; do
+  call "$words"
+  check "'$words' is like no command" does_not_say 'did you mean'
+done
 
 # --- build and run ---
 call exit 0 'two words' ''
@@ -119,9 +127,11 @@ check 'a second call has nothing to tell' is_silent
 check 'a second call leaves the program as it is' \
   test "$before" = "$(stat -c %y "$project/build/bin/dynwitness")"
 
-call nonsense
-check 'a word that is no command goes to the program that is there' prints "$work/elsewhere|nonsense"
-check 'and the program refuses it' exits 2
+call pckage
+check 'a word that is no command is refused when the program is there, too' exits 2
+check 'with the words that the wrapper alone knows' says '(did you mean package?)'
+call --nonsense
+check 'an option that is none goes to the program that is there' prints "$work/elsewhere|--nonsense"
 
 ln -s "$project/dynwitness" "$work/link"
 as=$work/link call exit 5

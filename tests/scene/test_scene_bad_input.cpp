@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -96,20 +97,20 @@ const Bad kToml[] = {
     {"unknown key of the scene", "title = \"x\"\ngravitation = 1\n" + kBase,
      "bad.toml:2: scene: unknown key \"gravitation\", allowed: title, source, gravity, "},
     {"unknown key of a link", kBase + "[[link]]\nname = \"a\"\nmas = 1",
-     "bad.toml:6: link \"a\": unknown key \"mas\", allowed: name, parent, mass, com, inertia, "
+     "bad.toml:6: link \"a\": unknown key \"mas\" (did you mean mass?), allowed: name, parent, mass, com, inertia, "
      "joint"},
     {"unknown key of a joint", oneLink("", "kind = \"revolute\"\nangle = 1"),
      "bad.toml:10: joint \"upper\" (revolute): unknown key \"angle\", allowed: name, kind, xyz"},
     {"axis of a fixed joint", oneLink("", "kind = \"fixed\"\naxis = [0, 0, 1]"),
      "bad.toml:10: joint \"upper\" (fixed): unknown key \"axis\", allowed: name, kind, xyz"},
     {"unknown key of an inertia", oneLink("inertia = { ixx = 1 }"),
-     "bad.toml:7: link \"upper\": inertia: unknown key \"ixx\", allowed: about, rpy, xx"},
+     "bad.toml:7: link \"upper\": inertia: unknown key \"ixx\" (did you mean xx?), allowed: about, rpy, xx"},
     {"unknown key of a DH row", oneLink("", "kind = \"revolute\"\ndh = { r = 1 }"),
      "bad.toml:10: joint \"upper\": dh: unknown key \"r\", allowed: a, alpha, d, theta"},
     {"unknown key of a wrench", kUpper + "[[wrench]]\nlink = \"upper\"\ntorque = 1",
      "bad.toml:12: wrench: unknown key \"torque\", allowed: link, force, moment"},
     {"unknown key of the start", kUpper + "[start]\nqdd = [1]",
-     "bad.toml:11: start: unknown key \"qdd\", allowed: q, qd"},
+     "bad.toml:11: start: unknown key \"qdd\" (did you mean qd?), allowed: q, qd"},
     {"unknown joint kind", oneLink("", "kind = \"screw\""),
      "bad.toml:9: joint \"upper\": kind is \"screw\", allowed: fixed, revolute, prismatic"},
     {"no joint kind", oneLink("", ""),
@@ -566,7 +567,8 @@ BOOST_AUTO_TEST_CASE(all_faults_of_a_file_are_told_at_once) {
   const std::string toml =
       "colour = 3\ngravity = [0, 0]\n[parameters]\ng = \"9.81*\"\nl = \"k\"\n[[link]]\n"
       "name = \"base\"\n[[link]]\nname = \"a\"\nparent = \"base\"\nmass = \"mm\"\nweight = 3\n"
-      "com = [\"g\", \"l\", 0]\ninertia = { xx = \"q\" }\njoint = { kind = \"revolut\" }\n";
+      "com = [\"g\", \"l\", 0]\ninertia = { xx = \"q\" }\n"
+      "joint = { kind = \"revolut\", xyz = [0, 0] }\n";
   const std::vector<std::string> told =
       linesOf(complaint([&] { readSceneToml(toml, "bad.toml"); }));
   const std::vector<std::string> expected = {"bad.toml:1: scene: unknown key \"colour\"",
@@ -576,10 +578,29 @@ BOOST_AUTO_TEST_CASE(all_faults_of_a_file_are_told_at_once) {
                                              "bad.toml:12: link \"a\": unknown key",
                                              "bad.toml:11: link \"a\": mass",
                                              "bad.toml:14: link \"a\": inertia: xx",
-                                             "bad.toml:15: joint \"a\": kind"};
+                                             "bad.toml:15: joint \"a\": kind is \"revolut\" (did "
+                                             "you mean revolute?), allowed: fixed, revolute",
+                                             "bad.toml:15: joint \"a\": xyz: an array of 2"};
   BOOST_TEST_REQUIRE(told.size() == expected.size(),
                      complaint([&] { readSceneToml(toml, "bad.toml"); }));
   for (std::size_t k = 0; k < told.size(); ++k) requireComplaint(told[k], expected[k]);
+
+  // and what numbers can be read, but are those of no mechanism
+  const auto hanging = [](const char* name, const char* parent, const char* joint) {
+    return fmt::format("[[link]]\nname = \"{}\"\nparent = \"{}\"\nmass = -1\njoint = {{ {} }}\n",
+                       name, parent, joint);
+  };
+  const std::string values = "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"base\"\n" +
+                             hanging("a", "base", "kind = \"revolute\", axis = [0, 0, 0]") +
+                             hanging("b", "a", "kind = \"revolute\", stiffness = -3");
+  const std::vector<std::string> of_values =
+      linesOf(complaint([&] { readSceneToml(values, "bad.toml"); }));
+  BOOST_TEST_REQUIRE(of_values.size() >= 4u, complaint([&] { readSceneToml(values, "bad.toml"); }));
+  const char* said[] = {"bad.toml:5: joint \"a\" of link \"a\": axis is [0, 0, 0]",
+                        "bad.toml:10: joint \"b\" of link \"b\": stiffness is -3",
+                        "bad.toml:5: link \"a\": mass is -1",
+                        "bad.toml:10: link \"b\": mass is -1"};
+  for (std::size_t k = 0; k < 4; ++k) requireComplaint(of_values[k], said[k]);
 
   const std::string urdf =
       "<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"><inertial>\n<mass value=\"1x\"/>\n"

@@ -23,7 +23,7 @@ BOOST_AUTO_TEST_SUITE(bad_input)
 
 BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   const Program program;
-  refuses(program, "", "no command, allowed");
+  refuses(program, "", "no command is given, allowed");
   refuses(program, "crosschek", "(did you mean crosscheck?)");
   refuses(program, "crosscheck --random 0", "--random");
   refuses(program, "crosscheck 'no such scene'", "`dynwitness scenes` lists");

@@ -264,22 +264,59 @@ BOOST_AUTO_TEST_CASE(what_has_no_value_is_refused) {
   refuses(program, "impedance sliders.toml", "finite");
 }
 
-// Examples are copied: a broken one goes on in the next line, and never breaks within quotes.
-BOOST_AUTO_TEST_CASE(help_fits_into_80_columns_and_has_an_example) {
+// Examples are copied: a broken one goes on in the next line, never breaks within quotes, and what
+// is said of it is a comment of the shell.
+BOOST_AUTO_TEST_CASE(help_fits_into_80_columns_and_has_examples_that_can_be_copied) {
   const dynwitness::fixtures::Program program;
-  for (const char* command : {"crosscheck", "derive", "evaluate", "drift", "chart", "simulate",
-                              "write", "show", "check", "parameters", "impedance"}) {
-    const std::string help = program.run(std::string(command) + " --help").out;
-    BOOST_TEST(help.find("dynwitness " + std::string(command) + " ") != std::string::npos, command);
-    std::istringstream lines(help);
-    for (std::string line; std::getline(lines, line);)
-      BOOST_TEST(line.size() <= 80u, command << ": " << line);
-    std::size_t quotes = 0;
-    for (std::size_t at = 0; at < help.size(); ++at) {
-      if (help[at] == '"') ++quotes;
-      if (help.compare(at, 2, "\\\n") == 0) BOOST_TEST(quotes % 2 == 0u, command);
+  const std::regex broken(R"( *\\\n *)"), remark(" +#.*"), option(" (--?[a-z][a-z-]*)"),
+      quoted("\"[^\"]*\""), begins_an_example("\n  dynwitness (?=[a-z]+)");
+  const std::string all = program.run("--help-all").out;
+  for (const std::string& command : commands(program)) {
+    const std::string help = program.run(command + " --help").out;
+    for (const std::string& text : {help, all}) {
+      std::istringstream lines(text);
+      for (std::string line; std::getline(lines, line);)
+        BOOST_TEST(line.size() <= 80u, command << ": " << line);
     }
+    BOOST_TEST(help.find("\nExample") != std::string::npos, command);
+    const std::string whole = std::regex_replace(help, broken, " ");
+    std::size_t own = 0;
+    for (std::sregex_iterator at(whole.begin(), whole.end(), begins_an_example), end; at != end;
+         ++at) {
+      const auto from = static_cast<std::size_t>(at->position()) + 1;
+      std::string line = whole.substr(from, whole.find('\n', from) - from);
+      line = std::regex_replace(std::regex_replace(line, remark, ""), quoted, "QUOTED");
+      BOOST_TEST(line.find_first_of("\"'\\") == std::string::npos, command << ": " << line);
+      if (line.compare(13, command.size() + 1, command + " ") != 0 &&
+          line != "  dynwitness " + command)
+        continue;  // of another command, whose motion this one takes
+      ++own;
+      for (std::sregex_iterator word(line.begin(), line.end(), option); word != end; ++word)
+        BOOST_TEST(std::regex_search(help, std::regex("\n  (-[a-z],)?" + (*word)[1].str() +
+                                                      "\\b|\n  " + (*word)[1].str() + ",")),
+                   command << ": " << line << " (" << (*word)[1] << ")");
+      // words beside options and their values: the scene, and no remark
+      BOOST_TEST(line.find("  ", 2) == std::string::npos, command << ": " << line);
+    }
+    BOOST_TEST(own > 0u, command << ": no example");
   }
+}
+
+BOOST_AUTO_TEST_CASE(help_is_a_word_too_and_what_is_no_command_gets_no_list) {
+  const dynwitness::fixtures::Program program;
+  for (const char* command : {"derive", "golden"})  // one here, one in a program of its own
+    BOOST_TEST(program.run("help " + std::string(command)).out ==
+               program.run(std::string(command) + " --help").out);
+  BOOST_TEST(program.run("help").out == program.run("--help").out);
+  refuses(program, "help evaluat", "(did you mean evaluate?)");
+  for (const char* words : {"evaluat acrobot", "frobnicate", "--helpp", "-v", ""}) {
+    const Outcome outcome = program.run(words);
+    BOOST_TEST(outcome.status == 2, words);
+    BOOST_TEST(outcome.out.find("`dynwitness --help` lists") != std::string::npos, outcome.out);
+    BOOST_TEST(outcome.out.find("crosscheck,") == std::string::npos, outcome.out);
+    BOOST_TEST(outcome.out.size() < 160u, outcome.out);
+  }
+  refuses(program, "--helpp", "(did you mean --help?)");
 }
 
 // "-" is standard output wherever a file is written, and nothing else is there then.

@@ -40,6 +40,7 @@ def main():
             command = line.split()[0]
             section = re.search(r"^\.SS %s\n(.*?)(?=^\.S[SH] )" % command, seen, re.S | re.M)
             assert section, command
+            assert re.search(r"^Examples?:$", section[1], re.M) and "\n  dynwitness %s" % command in section[1], command
             offered = completed(folder, PROGRAM, command, "-")
             # by another road than pages.py: every word of the help that stands where options begin
             known = re.findall(r"^  (?:-\w,)?(--[\w-]+)", run(PROGRAM, command, "--help").stdout, re.M)
@@ -50,6 +51,8 @@ def main():
             assert set(known) == {o for o in offered if o.startswith("--")}, command
             options += len(known)
         assert options >= 150, options
+        notes = seen[seen.index("\n.SH NOTES\n"):]
+        assert "Exit status: 0 all agree" in notes and "Subcommands" not in notes, notes
         assert completed(folder, PROGRAM, "der") == ["derive"]
         assert "--format" in completed(folder, PROGRAM, "derive", "--fo")
         assert "python" in completed(folder, PROGRAM, "derive", "--format", "py")
