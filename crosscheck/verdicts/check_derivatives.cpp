@@ -13,6 +13,7 @@
 #include "crosscheck/laws/narrow_sides.hpp"
 #include "crosscheck/verdicts/identity_tallies.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "recursive/fast/derivatives.hpp"
 #include "scene/work.hpp"
 
@@ -61,110 +62,199 @@ class RoadsInBalls {
   long bits_ = kFirstBits;                                        ///< that were enough so far
 };
 
-/// Six matrices in double, and how far rounding may have taken them.
-using Bounded = std::map<Derivative, Answer>;
-
-/// By the textbook's sweeps; the same in double and with bounds.
-class TextbookInDouble {
- public:
-  explicit TextbookInDouble(const PreparedScene& scene)
-      : model_(scene.model<RunningError>()), room_(model_), of_tau_(model_), of_qdd_(model_) {}
-  Bounded operator()(const scene::State<RunningError>& state) {
-    recursive::inverseDynamicsDerivatives(model_, state.x, state.qd, state.qdd, room_, of_tau_);
-    Bounded out;
-    put(out, Derivative::kTauByQ, of_tau_.dtau_dq);
-    put(out, Derivative::kTauByQd, of_tau_.dtau_dqd);
-    put(out, Derivative::kTauByQdd, of_tau_.M);
-    recursive::solveForAccelerations(model_, room_, of_tau_, of_qdd_);
-    put(out, Derivative::kQddByQ, of_qdd_.dqdd_dq);
-    put(out, Derivative::kQddByQd, of_qdd_.dqdd_dqd);
-    put(out, Derivative::kQddByTau, of_qdd_.dqdd_dtau);
-    return out;
-  }
-
- private:
-  template <typename Matrix>
-  static void put(Bounded& out, Derivative quantity, const Matrix& m) {
-    out[quantity] = {m.unaryExpr([](const RunningError& x) { return x.value(); }),
-                     m.unaryExpr([](const RunningError& x) { return x.bound(); })};
-  }
-
-  const recursive::Model<RunningError>& model_;
-  recursive::DerivativesWorkspace<RunningError> room_;
-  recursive::InverseDynamicsDerivatives<RunningError> of_tau_;
-  recursive::ForwardDynamicsDerivatives<RunningError> of_qdd_;
+/// What one road answers in double at a state.
+struct InDouble {
+  std::map<Derivative, Eigen::MatrixXd> value;
+  std::map<Derivative, Eigen::MatrixXd> bound;  ///< of those of tau, entry by entry
+  /// Of those of qdd: how far M times the answer along the direction may be from what is solved for.
+  std::map<Derivative, Eigen::VectorXd> residual;
 };
 
-/// By the fast sweeps as they are called: in double, in the vectors of this processor.
-class FastInDouble {
+template <typename Matrix>
+MatrixX<AdjointError> along(const Matrix& m, const std::vector<double>& u) {
+  MatrixX<AdjointError> out = MatrixX<AdjointError>::Constant(m.rows(), 1, AdjointError(0));
+  for (Eigen::Index i = 0; i < m.rows(); ++i)
+    for (Eigen::Index j = 0; j < m.cols(); ++j)
+      out(i, 0) += m(i, j) * AdjointError(u[static_cast<std::size_t>(j)]);
+  return out;
+}
+
+Eigen::MatrixXd boundsOf(const MatrixX<RunningError>& m) {
+  return m.unaryExpr([](const RunningError& x) { return x.bound(); });
+}
+
+/// The textbook's sweeps on any scalar.
+template <typename T>
+class Textbook {
  public:
-  explicit FastInDouble(const PreparedScene& scene)
-      : plan_(scene.model<double>()), room_(plan_), bounded_(scene.model<RunningError>()) {}
-  Bounded operator()(const scene::State<double>& state,
-                     const scene::State<RunningError>& with_bounds) {
-    namespace fast = recursive::fast;
-    const std::size_t n = plan_.dof;
-    Rows m[6];
-    for (Rows& matrix : m) matrix.resize(plan_.dof, plan_.dof);
-    fast::inverseDynamicsDerivatives<double>(plan_, state.x.data(), state.qd.data(),
-                                             state.qdd.data(), room_.of_tau,
-                                             {m[0].data(), m[1].data(), n, m[2].data(), n});
-    fast::forwardDynamicsDerivatives<double>(plan_, state.x.data(), state.qd.data(),
-                                             state.qdd.data(), room_,
-                                             {m[3].data(), m[4].data(), m[5].data()});
-    const auto of_tau = bounded_.ofForces(with_bounds),
-               of_qdd = bounded_.ofAccelerations(with_bounds);
-    const recursive::RowsX<RunningError>* const bounds[] = {
-        &of_tau.by_q, &of_tau.by_qd, &of_tau.by_last, &of_qdd.by_q, &of_qdd.by_qd, &of_qdd.by_last};
-    Bounded out;
-    for (int k = 0; k < 6; ++k) out[kDerivatives[k]] = boundedAnswer(m[k], *bounds[k]);
+  using Matrices = typename FastDerivatives<T>::Matrices;
+  explicit Textbook(recursive::Model<T> model)
+      : model_(std::move(model)), room_(model_), of_tau_(model_), of_qdd_(model_) {}
+  Matrices ofForces(const scene::State<T>& s) {
+    recursive::inverseDynamicsDerivatives(model_, s.x, s.qd, s.qdd, room_, of_tau_);
+    return {of_tau_.dtau_dq, of_tau_.dtau_dqd, of_tau_.M};
+  }
+  Matrices ofAccelerations(const scene::State<T>& s) {
+    recursive::forwardDynamicsDerivatives(model_, s.x, s.qd, s.qdd, room_, of_tau_, of_qdd_);
+    return {of_qdd_.dqdd_dq, of_qdd_.dqdd_dqd, of_qdd_.dqdd_dtau};
+  }
+
+ private:
+  recursive::Model<T> model_;
+  recursive::DerivativesWorkspace<T> room_;
+  recursive::InverseDynamicsDerivatives<T> of_tau_;
+  recursive::ForwardDynamicsDerivatives<T> of_qdd_;
+};
+
+/** Answers in double, and how far rounding may have taken them: by running errors, and where M is
+    solved with, by what each rounding does to the residual.
+    @tparam Double   answers ofForces() and ofAccelerations() in double
+    @tparam Sweeps   the same function on any scalar */
+template <typename Double, template <typename> class Sweeps>
+class RoadInDouble {
+ public:
+  explicit RoadInDouble(const PreparedScene& scene)
+      : in_double_(scene.model<double>()),
+        bounded_(scene.model<RunningError>()),
+        weighed_([mechanism = scene.mechanism()] {
+          return std::make_unique<Sweeps<AdjointError>>(
+              recursive::buildModel(mechanism, AdjointErrorNumbers(mechanism)));
+        }) {}
+  /// @param is_regular  M can be solved with
+  InDouble operator()(const scene::State<double>& state, const scene::State<RunningError>& bounded,
+                      bool is_regular) {
+    InDouble out;
+    const auto of_tau = in_double_.ofForces(state);
+    const auto limits = bounded_.ofForces(bounded);
+    put(out.value, 0, of_tau);
+    out.bound = {{Derivative::kTauByQ, boundsOf(limits.by_q)},
+                 {Derivative::kTauByQd, boundsOf(limits.by_qd)},
+                 {Derivative::kTauByQdd, boundsOf(limits.by_last)}};
+    if (!is_regular) return out;
+    put(out.value, 3, in_double_.ofAccelerations(state));
+    const auto residual = [&](auto matrix) {
+      return weighed_.residual(of_tau.by_last, [&](Sweeps<AdjointError>& sweeps) {
+        return along(sweeps.ofAccelerations(adjointState(bounded)).*matrix, state.tau);
+      });
+    };
+    using Matrices = typename Sweeps<AdjointError>::Matrices;
+    out.residual = {{Derivative::kQddByQ, residual(&Matrices::by_q)},
+                    {Derivative::kQddByQd, residual(&Matrices::by_qd)},
+                    {Derivative::kQddByTau, residual(&Matrices::by_last)}};
     return out;
   }
 
  private:
-  using Rows = recursive::RowsX<double>;
+  template <typename Matrices>
+  static void put(std::map<Derivative, Eigen::MatrixXd>& out, int first, const Matrices& m) {
+    int k = first;
+    for (const auto* matrix : {&m.by_q, &m.by_qd, &m.by_last})
+      out[kDerivatives[static_cast<std::size_t>(k++)]] = *matrix;
+  }
+
+  Double in_double_;
+  Sweeps<RunningError> bounded_;
+  SharpBounds<Sweeps<AdjointError>> weighed_;
+};
+
+/// The fast sweeps as they are called: in the vectors of this processor.
+class FastInDouble {
+ public:
+  explicit FastInDouble(const recursive::Model<double>& model) : plan_(model), room_(plan_) {}
+  typename Textbook<double>::Matrices ofForces(const scene::State<double>& s) {
+    auto out = room();
+    const std::size_t n = static_cast<std::size_t>(plan_.dof);
+    recursive::fast::inverseDynamicsDerivatives<double>(
+        plan_, s.x.data(), s.qd.data(), s.qdd.data(), room_.of_tau,
+        {out.by_q.data(), out.by_qd.data(), n, out.by_last.data(), n});
+    return out;
+  }
+  typename Textbook<double>::Matrices ofAccelerations(const scene::State<double>& s) {
+    auto out = room();
+    recursive::fast::forwardDynamicsDerivatives<double>(
+        plan_, s.x.data(), s.qd.data(), s.qdd.data(), room_,
+        {out.by_q.data(), out.by_qd.data(), out.by_last.data()});
+    return out;
+  }
+
+ private:
+  typename Textbook<double>::Matrices room() const {
+    const recursive::RowsX<double> empty = recursive::RowsX<double>::Zero(plan_.dof, plan_.dof);
+    return {empty, empty, empty};
+  }
   recursive::fast::Plan<double> plan_;
   recursive::fast::AccelerationDerivativesWorkspace<double> room_;
-  FastDerivatives<RunningError> bounded_;
 };
 
 /// What one road answers in double of one quantity, against the truth.
 class AgainstTruth {
  public:
-  AgainstTruth(Derivative quantity, const char* road, std::uint64_t seed)
+  AgainstTruth(Derivative quantity, DerivativeRoad road, std::uint64_t seed)
       : quantity_(quantity), tally_(described(quantity, road, seed)) {}
 
-  void add(int state, const Answer& answer, const MatrixX<Ball>& truth, const std::string& excuse) {
+  /// @param u         the direction
+  /// @param singular  why qdd has no derivatives here; empty: it has
+  void add(int state, const InDouble& said, const std::map<Derivative, MatrixX<Ball>>& truth,
+           const std::vector<double>& u, const std::string& singular) {
+    if (!isOfForces(quantity_) && !singular.empty()) return tally_.fail(state, singular, singular);
     const BallPrecision precision(kFirstBits);
-    const MatrixX<Ball> distance = answer.value.unaryExpr([](double x) { return Ball(x); }) - truth;
-    double largest = 0, farthest = 0;
-    for (const Ball& x : truth.reshaped()) largest = std::max(largest, x.atMost());
-    for (const Ball& x : distance.reshaped()) farthest = std::max(farthest, x.atMost());
-    tally_.addDifference(state, distance.unaryExpr([](const Ball& x) { return x.mid(); }),
-                         answer.bound, largest, excuse);
-    if (!std::isfinite(farthest) || !(largest > 0)) return;
-    constexpr double kMost = std::numeric_limits<double>::max_digits10;
-    const double digits =
-        farthest > 0 ? std::clamp(-std::log10(farthest / largest), 0.0, kMost) : kMost;
-    digits_ = std::min(digits_.value_or(kMost), digits);
+    const MatrixX<Ball>& right = truth.at(quantity_);
+    const MatrixX<Ball> value = exactly(said.value.at(quantity_));
+    countDigits(value - right, right);
+    if (isOfForces(quantity_)) return put(state, value - right, said.bound.at(quantity_), right);
+    // M X u = -(dtau/dq) u, M X u = u
+    const MatrixX<Ball> direction = exactly(column(u));
+    MatrixX<Ball> solved_for = direction;
+    if (quantity_ == Derivative::kQddByQ) solved_for = -(truth.at(Derivative::kTauByQ) * direction);
+    if (quantity_ == Derivative::kQddByQd)
+      solved_for = -(truth.at(Derivative::kTauByQd) * direction);
+    const MatrixX<Ball> made = value * direction;
+    put(state, truth.at(Derivative::kTauByQdd) * made - solved_for, said.residual.at(quantity_),
+        solved_for);
   }
   CheckResult result() const {
     CheckResult out = tally_.result();
     out.digits = digits_;
     return out;
   }
-  Derivative quantity() const { return quantity_; }
 
  private:
-  static CheckResult described(Derivative quantity, const char* road, std::uint64_t seed) {
+  static MatrixX<Ball> exactly(const Eigen::MatrixXd& m) {
+    return m.unaryExpr([](double x) { return Ball(x); });
+  }
+  static double largestOf(const MatrixX<Ball>& m) {
+    double largest = 0;
+    for (const Ball& x : m.reshaped()) largest = std::max(largest, x.atMost());
+    return largest;
+  }
+  static CheckResult described(Derivative quantity, DerivativeRoad road, std::uint64_t seed) {
     CheckResult check;
     check.kind = CheckKind::kTruth;
     check.quantity = name(quantity);
-    check.left = road;
+    check.left = name(road);
     check.statement =
-        fmt::format("|{} by {} - truth| <= its error bound", check.quantity, check.left);
+        isOfForces(quantity)
+            ? fmt::format("|{} by {} - truth| <= its error bound", check.quantity, check.left)
+            : fmt::format("|M {} u - {}| <= what solving may leave, {} by {}", check.quantity,
+                          quantity == Derivative::kQddByTau ? "u"
+                          : quantity == Derivative::kQddByQ ? "(-dtau_dq u)"
+                                                            : "(-dtau_dqd u)",
+                          check.quantity, check.left);
     check.seed = seed;
     return check;
+  }
+  void put(int state, const MatrixX<Ball>& difference, const Eigen::MatrixXd& limit,
+           const MatrixX<Ball>& of) {
+    tally_.addDifference(state, difference.unaryExpr([](const Ball& x) { return x.mid(); }), limit,
+                         largestOf(of));
+  }
+  void countDigits(const MatrixX<Ball>& distance, const MatrixX<Ball>& of) {
+    const double farthest = largestOf(distance), largest = largestOf(of);
+    if (!std::isfinite(farthest) || !(largest > 0)) return;
+    constexpr double kMost = std::numeric_limits<double>::max_digits10;
+    const double digits =
+        farthest > 0 ? std::clamp(-std::log10(farthest / largest), 0.0, kMost) : kMost;
+    digits_ = std::min(digits_.value_or(kMost), digits);
   }
 
   Derivative quantity_;
@@ -213,36 +303,38 @@ std::vector<CheckResult> checkDerivatives(const PreparedScene& prepared, const O
     check.seed = options.seed;
     pairs.emplace_back(check);
   }
-  TextbookInDouble textbook(prepared);
-  std::optional<FastInDouble> fast;
-  if (whyNoFastDerivatives(mechanism).empty()) fast.emplace(prepared);
+  RoadInDouble<Textbook<double>, Textbook> textbook(prepared);
+  std::optional<RoadInDouble<FastInDouble, FastDerivatives>> fast;
   std::vector<AgainstTruth> of_textbook, of_fast;
-  for (const Derivative quantity : kDerivatives) {
-    of_textbook.emplace_back(quantity, name(DerivativeRoad::kTextbook), options.seed);
-    of_fast.emplace_back(quantity, name(DerivativeRoad::kFast), options.seed);
+  for (const Derivative quantity : kDerivatives)
+    of_textbook.emplace_back(quantity, DerivativeRoad::kTextbook, options.seed);
+  if (whyNoFastDerivatives(mechanism).empty()) {
+    fast.emplace(prepared);
+    for (const Derivative quantity : kDerivatives)
+      of_fast.emplace_back(quantity, DerivativeRoad::kFast, options.seed);
   }
   const int states = std::min(options.states, kStates);
+  Truth truth(mechanism);
   scene::Work work("derivatives", states);
   for (int k = 0; k < states; ++k, work.done()) {
     const scene::State<double> state = drawState(mechanism, scene.name, options.seed, k);
     const InBalls said = in_balls(state);
     // where M is singular, qdd has no derivatives
-    const Certified qdd = Truth(mechanism)(Quantity::kQdd, state);
+    const Certified qdd = truth(Quantity::kQdd, state);
     const std::string singular = qdd.is_impossible ? qdd.reason : std::string();
     for (std::size_t i = 0; i < pairs.size(); ++i) addBalls(pairs[i], k, said.sides[i], singular);
     const scene::State<RunningError> bounded = runningErrorState(state, mechanism);
-    const auto judge = [&](std::vector<AgainstTruth>& roads, const Bounded& answers) {
-      for (AgainstTruth& road : roads)
-        road.add(k, answers.at(road.quantity()), said.truth.at(road.quantity()), singular);
+    const auto judge = [&](std::vector<AgainstTruth>& checks, auto& road) {
+      const InDouble answers = road(state, bounded, singular.empty());
+      for (AgainstTruth& check : checks) check.add(k, answers, said.truth, state.tau, singular);
     };
-    judge(of_textbook, textbook(bounded));
-    if (fast) judge(of_fast, (*fast)(state, bounded));
+    judge(of_textbook, textbook);
+    if (fast) judge(of_fast, *fast);
   }
   std::vector<CheckResult> results;
   for (const Tally& tally : pairs) results.push_back(tally.result());
-  for (const AgainstTruth& road : of_textbook) results.push_back(road.result());
-  if (!fast) of_fast.clear();
-  for (const AgainstTruth& road : of_fast) results.push_back(road.result());
+  for (const std::vector<AgainstTruth>* of : {&of_textbook, &of_fast})
+    for (const AgainstTruth& check : *of) results.push_back(check.result());
   for (CheckResult& check : withoutFast(mechanism, options.seed))
     results.push_back(std::move(check));
   return results;

@@ -15,10 +15,12 @@ namespace dynwitness::crosscheck {
 /// A pair as a check without a verdict yet.
 CheckResult inWords(const DerivativePair& pair);
 
-/** At seeded states:
-      same   every pair of laws/derivative_roads.hpp in balls
-      truth  what the sweeps for derivatives answer in double, against the textbook's in balls,
-             within their running error bounds
+/** At seeded states, along a direction u drawn with each:
+      same     every pair of laws/derivative_roads.hpp in balls
+      truth    what the sweeps for derivatives answer in double, against the textbook's in balls:
+               those of tau entry by entry within their running error bounds, those of qdd by what
+               M dqdd_dq u leaves of -dtau_dq u, within what each rounding does to it (to first
+               order); digits are counted entry by entry
       witness  not answerable: why the fast road does not go there */
 std::vector<CheckResult> checkDerivatives(const PreparedScene& scene, const Options& options);
 
