@@ -293,7 +293,9 @@ CheckResult inWords(const DerivativePair& pair) {
   return check;
 }
 
-std::vector<CheckResult> checkDerivatives(const PreparedScene& prepared, const Options& options) {
+std::vector<CheckResult> checkDerivatives(const PreparedScene& prepared, const Options& options,
+                                          const PreparedScene* answering) {
+  const PreparedScene& in_double = answering == nullptr ? prepared : *answering;
   const scene::Scene& scene = prepared.scene();
   const scene::Mechanism& mechanism = scene.mechanism;
   RoadsInBalls in_balls(mechanism);
@@ -303,13 +305,13 @@ std::vector<CheckResult> checkDerivatives(const PreparedScene& prepared, const O
     check.seed = options.seed;
     pairs.emplace_back(check);
   }
-  RoadInDouble<Textbook<double>, Textbook> textbook(prepared);
+  RoadInDouble<Textbook<double>, Textbook> textbook(in_double);
   std::optional<RoadInDouble<FastInDouble, FastDerivatives>> fast;
   std::vector<AgainstTruth> of_textbook, of_fast;
   for (const Derivative quantity : kDerivatives)
     of_textbook.emplace_back(quantity, DerivativeRoad::kTextbook, options.seed);
   if (whyNoFastDerivatives(mechanism).empty()) {
-    fast.emplace(prepared);
+    fast.emplace(in_double);
     for (const Derivative quantity : kDerivatives)
       of_fast.emplace_back(quantity, DerivativeRoad::kFast, options.seed);
   }

@@ -21,7 +21,10 @@ CheckResult inWords(const DerivativePair& pair);
                those of tau entry by entry within their running error bounds, those of qdd by what
                M dqdd_dq u leaves of -dtau_dq u, within what each rounding does to it (to first
                order); digits are counted entry by entry
-      witness  not answerable: why the fast road does not go there */
-std::vector<CheckResult> checkDerivatives(const PreparedScene& scene, const Options& options);
+      witness  not answerable: why the fast road does not go there
+    @param answering  what is answered in double instead of the scene: tests plant their errors
+      there */
+std::vector<CheckResult> checkDerivatives(const PreparedScene& scene, const Options& options,
+                                          const PreparedScene* answering = nullptr);
 
 }  // namespace dynwitness::crosscheck
