@@ -60,7 +60,7 @@ typename AccelerationDerivativesWorkspace<T>::Columns rowsOf(
 template <typename T>
 void findColumns(AccelerationDerivativesWorkspace<T>& ws) {
   constexpr std::size_t kMostPlaces = 1 << 20;  // beyond that the lists leave the caches
-  constexpr std::size_t together = ws.kPacksTogether * kBlock;
+  constexpr std::size_t together = AccelerationDerivativesWorkspace<T>::kPacksTogether * kBlock;
   const std::size_t n = ws.first_inboard.size() - 1;
   if (ws.outboard.size() * (2 * ws.width / together + 1) > kMostPlaces) return;
   for (std::size_t begin = 0; begin < 2 * ws.width; begin += together) {
