@@ -192,7 +192,8 @@ std::set<std::string> redByOtherDerivatives() {
   for (scene::Link& link : mass.mechanism.links)
     link.inertia.mass = times(link.inertia.mass, "(1 + 1e-6)");
   for (scene::Link& link : length.mechanism.links)
-    for (scene::Number& x : link.joint.placement.xyz) x = times(x, "(1 + 1e-6)");
+    for (scene::Number* x : {&link.joint.placement.a, &link.joint.placement.d})
+      *x = times(*x, "(1 + 1e-6)");
   std::set<std::string> kinds;
   for (const scene::Scene* wrong : {&mass, &length}) {
     const PreparedScene answering(*wrong);
