@@ -25,60 +25,11 @@ struct AccelerationDerivativesWorkspace {
   /// Rates that feel each other, in the order in which they are done: of rate i those outboard of
   /// it from place first_outboard[i] on, those inboard from first_inboard[i] on.
   std::vector<int> outboard, first_outboard, inboard, first_inboard;
-  /// Of the columns of d tau that stand side by side in so many packs: rows that are not zero by
-  /// nature, the last first, and of these the ones outboard of each. None where all rows are.
-  static constexpr int kPacksTogether = 4;
-  struct Columns {
-    std::vector<int> rows, outboard, first_outboard;
-  };
-  std::vector<Columns> columns;
   std::size_t width;       ///< of a matrix in a row, a multiple of kBlock
   std::vector<T> rows;     ///< d tau/dq and d tau/dqd beside each other, replaced by the solutions
   std::vector<T> M;        ///< replaced by L and, on the diagonal, 1/D
   std::vector<T> inverse;  ///< of M
 };
-
-namespace detail {
-
-/// The rows of some columns, each with a flag for every rate that one of the columns feels.
-template <typename T>
-typename AccelerationDerivativesWorkspace<T>::Columns rowsOf(
-    const AccelerationDerivativesWorkspace<T>& ws, const std::vector<char>& is_felt) {
-  typename AccelerationDerivativesWorkspace<T>::Columns out;
-  for (int i = static_cast<int>(is_felt.size()) - 1; i >= 0; --i) {
-    if (!is_felt[i]) continue;
-    out.rows.push_back(i);
-    out.first_outboard.push_back(static_cast<int>(out.outboard.size()));
-    for (int at = ws.first_outboard[i]; at < ws.first_outboard[i + 1]; ++at)
-      if (is_felt[ws.outboard[at]]) out.outboard.push_back(ws.outboard[at]);
-  }
-  out.first_outboard.push_back(static_cast<int>(out.outboard.size()));
-  return out;
-}
-
-/// Which rows of d tau are zero, for columns that stand together; in a tree more than half are.
-template <typename T>
-void findColumns(AccelerationDerivativesWorkspace<T>& ws) {
-  constexpr std::size_t kMostPlaces = 1 << 20;  // beyond that the lists leave the caches
-  constexpr std::size_t together = AccelerationDerivativesWorkspace<T>::kPacksTogether * kBlock;
-  const std::size_t n = ws.first_inboard.size() - 1;
-  if (ws.outboard.size() * (2 * ws.width / together + 1) > kMostPlaces) return;
-  for (std::size_t begin = 0; begin < 2 * ws.width; begin += together) {
-    std::vector<char> is_felt(n, 0);
-    for (std::size_t column = begin; column < std::min(begin + together, 2 * ws.width); ++column) {
-      const std::size_t k = column % ws.width;
-      if (k >= n) continue;
-      is_felt[k] = 1;
-      for (int at = ws.first_outboard[k]; at < ws.first_outboard[k + 1]; ++at)
-        is_felt[ws.outboard[at]] = 1;
-      for (int at = ws.first_inboard[k]; at < ws.first_inboard[k + 1]; ++at)
-        is_felt[ws.inboard[at]] = 1;
-    }
-    ws.columns.push_back(rowsOf(ws, is_felt));
-  }
-}
-
-}  // namespace detail
 
 template <typename T>
 AccelerationDerivativesWorkspace<T>::AccelerationDerivativesWorkspace(const Plan<T>& plan)
@@ -109,7 +60,6 @@ AccelerationDerivativesWorkspace<T>::AccelerationDerivativesWorkspace(const Plan
   }
   first_outboard.push_back(static_cast<int>(outboard.size()));
   first_inboard.push_back(static_cast<int>(inboard.size()));
-  if (!plan.is_chain) detail::findColumns(*this);
 }
 
 namespace detail {
@@ -150,53 +100,22 @@ struct PacksOfRow {
   DYNWITNESS_INLINE void store(T* row) const { (sums[k].store(row + k * kBlock), ...); }
 };
 
-/// Y of L' Y = B for so many packs of columns, from `column` on, all rows.
+/// Solves L' D L X = -B for so many packs of columns, from `column` on.
 template <typename Pack, typename T, std::size_t... k>
-DYNWITNESS_INLINE void solveInward(AccelerationDerivativesWorkspace<T>& ws, std::size_t column,
-                                   std::index_sequence<k...>) {
+DYNWITNESS_INLINE void solveColumns(AccelerationDerivativesWorkspace<T>& ws, std::size_t column,
+                                    std::index_sequence<k...>) {
   const std::size_t stride = 2 * ws.width, width = ws.width;
   T* const B = ws.rows.data() + column;
   const T* const L = ws.M.data();
-  const int* const outboard = ws.outboard.data();
-  for (int i = static_cast<int>(ws.first_inboard.size()) - 2; i >= 0; --i) {
+  const int *const outboard = ws.outboard.data(), *const inboard = ws.inboard.data();
+  const int n = static_cast<int>(ws.first_inboard.size()) - 1;
+  for (int i = n - 1; i >= 0; --i) {
     PacksOfRow<Pack, T, k...> row;
     row.load(B + i * stride);
     for (int at = ws.first_outboard[i], end = ws.first_outboard[i + 1]; at < end; ++at)
       row.subtract(L[outboard[at] * width + i], B + outboard[at] * stride);
     row.store(B + i * stride);
   }
-}
-
-/// The same where rows are zero: Y has the zeros of B, since who feels a joint feels those inboard
-/// of it.
-template <typename Pack, typename T, std::size_t... k>
-DYNWITNESS_INLINE void solveInward(AccelerationDerivativesWorkspace<T>& ws, std::size_t column,
-                                   const typename AccelerationDerivativesWorkspace<T>::Columns& of,
-                                   std::index_sequence<k...>) {
-  const std::size_t stride = 2 * ws.width, width = ws.width;
-  T* const B = ws.rows.data() + column;
-  const T* const L = ws.M.data();
-  const int* outboard = of.outboard.data();
-  for (std::size_t r = 0; r < of.rows.size(); ++r) {
-    const int i = of.rows[r];
-    PacksOfRow<Pack, T, k...> row;
-    row.load(B + i * stride);
-    for (const int* const end = of.outboard.data() + of.first_outboard[r + 1]; outboard != end;
-         ++outboard)
-      row.subtract(L[*outboard * width + i], B + *outboard * stride);
-    row.store(B + i * stride);
-  }
-}
-
-/// X of D L X = -Y likewise.
-template <typename Pack, typename T, std::size_t... k>
-DYNWITNESS_INLINE void solveOutward(AccelerationDerivativesWorkspace<T>& ws, std::size_t column,
-                                    std::index_sequence<k...>) {
-  const std::size_t stride = 2 * ws.width, width = ws.width;
-  T* const B = ws.rows.data() + column;
-  const T* const L = ws.M.data();
-  const int* const inboard = ws.inboard.data();
-  const int n = static_cast<int>(ws.first_inboard.size()) - 1;
   for (int i = 0; i < n; ++i) {
     PacksOfRow<Pack, T, k...> row;
     row.loadTimes(-L[i * width + i], B + i * stride);
@@ -204,32 +123,6 @@ DYNWITNESS_INLINE void solveOutward(AccelerationDerivativesWorkspace<T>& ws, std
       row.subtract(L[i * width + inboard[at]], B + inboard[at] * stride);
     row.store(B + i * stride);
   }
-}
-
-/// Solves L' D L X = -B for all columns: as many at a time as registers hold beside a factor.
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void solveAll(AccelerationDerivativesWorkspace<T>& ws) {
-  constexpr std::size_t block = kBlock;
-  const std::size_t stride = 2 * ws.width;
-  std::size_t column = 0;
-  for (const auto& of : ws.columns) {
-    if (column + 4 * block <= stride)
-      solveInward<Pack>(ws, column, of, std::make_index_sequence<4>());
-    else  // the stride is an even number of packs
-      solveInward<Pack>(ws, column, of, std::make_index_sequence<2>());
-    column += 4 * block;
-  }
-  const auto solve = [&](auto packs) DYNWITNESS_INLINE_LAMBDA {
-    for (; column + packs.size() * block <= stride; column += packs.size() * block) {
-      if (ws.columns.empty()) solveInward<Pack>(ws, column, packs);
-      solveOutward<Pack>(ws, column, packs);
-    }
-  };
-  column = 0;
-  solve(std::make_index_sequence<12>());
-  solve(std::make_index_sequence<8>());
-  solve(std::make_index_sequence<4>());
-  solve(std::make_index_sequence<2>());
 }
 
 /** X = 1/M from L and D. L X = D^-1 L^-T is zero below the diagonal and 1/D on it, so that, root
@@ -274,7 +167,17 @@ DYNWITNESS_INLINE void accelerationDerivativesBody(const Plan<T>& plan, const Jo
   inverseDynamicsDerivativesBody<Pack>(plan, x, qd, qdd, ws.of_tau,
                                        {rows, rows + width, stride, ws.M.data(), width});
   factorizeOutermostFirst<Pack>(ws);
-  solveAll<Pack>(ws);
+  constexpr std::size_t block = kBlock;
+  std::size_t column = 0;  // as many at a time as registers hold beside a factor
+  const auto isLeft = [&](std::size_t packs) { return column + packs * block <= stride; };
+  for (; isLeft(12); column += 12 * block)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<12>());
+  for (; isLeft(8); column += 8 * block)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<8>());
+  for (; isLeft(4); column += 4 * block)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<4>());
+  for (; isLeft(2); column += 2 * block)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<2>());
   invert<Pack>(ws);
   for (std::size_t i = 0; i < n; ++i) {
     std::copy_n(rows + i * stride, n, out.dqdd_dq + i * n);
