@@ -66,7 +66,7 @@ class RoadsInBalls {
 struct InDouble {
   std::map<Derivative, Eigen::MatrixXd> value;
   std::map<Derivative, Eigen::MatrixXd> bound;  ///< of those of tau, entry by entry
-  /// Of those of qdd: how far M times the answer along the direction may be from what is solved for.
+  /// Of those of qdd: how far M times the answer along u may be from what is solved for.
   std::map<Derivative, Eigen::VectorXd> residual;
 };
 
