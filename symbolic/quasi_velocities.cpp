@@ -64,20 +64,27 @@ Node christoffelSymbol(Equations& equations, int i, int j, int k) {
                         graph.subtract(graph.add(slope(i, j, k), slope(i, k, j)), slope(j, k, i)));
 }
 
-Direction motion(Equations& e, bool with_accelerations) {
+Direction positionsAlong(Equations& e, const std::vector<Node>& rates) {
   Graph& graph = e.graph;
   std::vector<Variable> order;
   std::map<Key, Node> speed;
-  for (int i = 0; i < e.dof(); ++i) {
-    const Node qd = graph.input(Input::kVelocity, i);
+  for (std::size_t i = 0; i < rates.size(); ++i) {
     for (const auto& [variable, node] : e.directions[i]) {
       const auto [it, is_new] = speed.emplace(keyOf(variable), Node{});
       if (is_new) order.push_back(variable);
-      it->second = graph.add(it->second, graph.multiply(node, qd));
+      it->second = graph.add(it->second, graph.multiply(node, rates[i]));
     }
   }
   Direction result;
   for (const Variable& variable : order) result.push_back({variable, speed[keyOf(variable)]});
+  return result;
+}
+
+Direction motion(Equations& e, bool with_accelerations) {
+  Graph& graph = e.graph;
+  std::vector<Node> qd;
+  for (int i = 0; i < e.dof(); ++i) qd.push_back(graph.input(Input::kVelocity, i));
+  Direction result = positionsAlong(e, qd);
   if (with_accelerations)
     for (int i = 0; i < e.dof(); ++i)
       result.push_back({{Input::kVelocity, i}, graph.input(Input::kAcceleration, i)});

@@ -28,6 +28,9 @@ std::vector<Node> positionGradient(Equations& equations, Node f);
 /// where rates are derivatives of positions.
 Node christoffelSymbol(Equations& equations, int i, int j, int k);
 
+/// The direction in which positions move at these rates: sum of X_i rates_i.
+Direction positionsAlong(Equations& equations, const std::vector<Node>& rates);
+
 /// The direction in which the state moves: sum of X_i qd_i; with qdd, the rates move too.
 Direction motion(Equations& equations, bool with_accelerations = false);
 

@@ -60,9 +60,11 @@ struct DeriveArguments {
   /// What is asked that takes the inverse of M; "": nothing.
   std::string solved() const {
     if (operations) return "forward dynamics";
-    const bool has_qdd =
-        isAll() || std::find(quantities.begin(), quantities.end(), "qdd") != quantities.end();
-    return isCode() && has_qdd ? "qdd" : "";
+    if (!isCode()) return "";
+    if (isAll()) return "qdd";
+    for (const char* one : {"qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"})
+      if (std::find(quantities.begin(), quantities.end(), one) != quantities.end()) return one;
+    return "";
   }
 };
 
@@ -293,10 +295,12 @@ Run addDerive(CLI::App* command) {
       ->capture_default_str()
       ->check(oneOf({"text", "latex", "html", "c", "python", "sympy", "matlab", "julia"}));
   command
-      ->add_option("--quantity", arguments->quantities,
-                   "Quantities: whose steps are shown (M, c, g, all), or which functions code has: "
-                   "tau, qdd, M, C (Coriolis matrix), c, g, Y (regressor), position, orientation, "
-                   "jacobian, jacobian_rate")
+      ->add_option(
+          "--quantity", arguments->quantities,
+          "Quantities: whose steps are shown (M, c, g, all), or which functions code has: "
+          "tau, qdd, M, C (Coriolis matrix), c, g, Y (regressor), dtau_dq, dtau_dqd, dqdd_dq, "
+          "dqdd_dqd, dqdd_dtau (as evaluate has them), position, orientation, jacobian, "
+          "jacobian_rate")
       ->capture_default_str()
       ->delimiter(',');
   command->add_option("--scalar", arguments->scalar, "Arithmetic: of code in C")

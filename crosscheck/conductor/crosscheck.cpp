@@ -18,6 +18,7 @@
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/system/processes.hpp"
+#include "crosscheck/verdicts/check_derivatives.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/check_mechanism.hpp"
@@ -74,6 +75,7 @@ SceneResult byLaws(const PreparedScene& scene, const Options& options, const Pla
   result.equations = equationsOf(scene.mechanism());
   result.checks = checkIdentities(scene, options);
   append(result.checks, checkPoints(scene, options));
+  append(result.checks, checkDerivatives(scene, options));
   if (options.drift && refusals(scene.scene(), Command::kDrift).empty())
     result.drift = measureDrift(scene, {});
   return result;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/conductor/exact_checks.hpp"
 
+#include "crosscheck/exact/derivative_checks.hpp"
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/exact/point_checks.hpp"
 #include "crosscheck/exact/regressor_checks.hpp"
@@ -12,11 +13,11 @@ std::vector<CheckResult> exactChecks(const PreparedScene& prepared, const ExactO
   const scene::Scene& scene = prepared.scene();
   const std::vector<ExactWitness> witnesses = exactWitnesses(
       prepared, options.parameters, options.witnesses.empty() ? witnessKinds() : options.witnesses);
-  scene::Work work("", 5);
+  scene::Work work("", 6);
   std::vector<CheckResult> checks =
       decide(scene, both(comparisonInquiry(witnesses), identityInquiry(scene.mechanism)), options);
-  for (const auto more :
-       {checkPointsExactly, checkClosuresExactly, checkRegressorExactly, checkConstrainedExactly}) {
+  for (const auto more : {checkPointsExactly, checkDerivativesExactly, checkClosuresExactly,
+                          checkRegressorExactly, checkConstrainedExactly}) {
     work.done();
     for (const CheckResult& check : more(scene, options, nullptr)) checks.push_back(check);
   }

@@ -9,7 +9,9 @@
 
 #include "crosscheck/kernel/controller_text.hpp"
 #include "crosscheck/kernel/factor.hpp"
+#include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/swept_quantity.hpp"
+#include "crosscheck/kernel/traced_sweeps.hpp"
 #include "crosscheck/scalars/traced.hpp"
 #include "recursive/build_model.hpp"
 #include "symbolic/equations.hpp"
@@ -74,9 +76,9 @@ std::optional<Formula> formulaOf(CodeQuantity quantity) {
   }
 }
 
-scene::Mechanism withoutFriction(scene::Mechanism mechanism) {
-  for (scene::Link& link : mechanism.links) link.joint.friction = {};
-  return mechanism;
+/// Derivatives by qd, which viscous friction is part of and Coulomb's, between its jumps, is not.
+bool isByRates(CodeQuantity quantity) {
+  return quantity == CodeQuantity::kDtauDqd || quantity == CodeQuantity::kDqddDqd;
 }
 
 std::string identifierOf(const std::string& text) {
@@ -110,6 +112,16 @@ const char* name(CodeQuantity quantity) {
       return "g";
     case CodeQuantity::kY:
       return "Y";
+    case CodeQuantity::kDtauDq:
+      return "dtau_dq";
+    case CodeQuantity::kDtauDqd:
+      return "dtau_dqd";
+    case CodeQuantity::kDqddDq:
+      return "dqdd_dq";
+    case CodeQuantity::kDqddDqd:
+      return "dqdd_dqd";
+    case CodeQuantity::kDqddDtau:
+      return "dqdd_dtau";
     case CodeQuantity::kPosition:
       return "position";
     case CodeQuantity::kOrientation:
@@ -124,6 +136,10 @@ const char* name(CodeQuantity quantity) {
 
 bool isOfPoint(CodeQuantity quantity) {
   return quantity >= CodeQuantity::kPosition;
+}
+
+bool isDerivative(CodeQuantity quantity) {
+  return quantity >= CodeQuantity::kDtauDq && quantity <= CodeQuantity::kDqddDtau;
 }
 
 Constants constantsOf(const Program& program) {
@@ -167,9 +183,8 @@ ControllerCode::ControllerCode(const scene::Scene& scene,
   }
   parameters_ = scene::inertialParameters(scene_.mechanism);
   readFriction();
-  const scene::Mechanism mechanism = withoutFriction(scene_.mechanism);
   for (const CodeQuantity quantity : quantities) {
-    functions_.push_back(made(quantity, mechanism));
+    functions_.push_back(made(quantity));
     if (const int operations = functions_.back().program.bodyOperations().all();
         operations > kMostWritten)
       throw NotUsed(tooLong(quantity, operations));
@@ -202,6 +217,38 @@ void ControllerCode::readFriction() {
   friction_program_ = symbolic::compile(graph, nodes);
 }
 
+scene::Mechanism ControllerCode::known(CodeQuantity quantity) const {
+  scene::Mechanism mechanism = scene_.mechanism;
+  for (scene::Link& link : mechanism.links) {
+    const scene::Number viscous = link.joint.friction.viscous;
+    link.joint.friction = {};
+    if (isByRates(quantity)) link.joint.friction.viscous = viscous;
+  }
+  return mechanism;
+}
+
+/// The sweep for derivatives written down on base parameters, where that is less and the mechanism
+/// has them. Those forget the viscous part of friction.
+void ControllerCode::derivativesInto(CodeFunction& function,
+                                     const scene::Mechanism& mechanism) const {
+  if (isByRates(function.quantity) && mechanism.hasFriction()) return;
+  symbolic::Graph graph;
+  const Traced::Recording recording(graph);
+  const TracedNumbers traced(mechanism, isFolded());
+  const recursive::Model<Traced> model = recursive::buildModel(mechanism, traced);
+  if (!isLean(model)) return;
+  LeanModel base = leanModel(model);
+  regroup(base);
+  std::vector<symbolic::Node> nodes;
+  for (const Traced& value : swept(function.quantity, recursiveModel(base), tracedState(mechanism),
+                                   traced, parameters_, point_))
+    nodes.push_back(value.node());
+  Program program = factored(graph, nodes);
+  if (program.bodyOperations().all() >= function.program.bodyOperations().all()) return;
+  function.program = std::move(program);
+  function.road = "the sweep, traced on base parameters";
+}
+
 /// A function whose program is a sweep of recursive/, written down.
 void ControllerCode::sweepInto(CodeFunction& function, const scene::Mechanism& mechanism) const {
   const CodeQuantity quantity = function.quantity;
@@ -217,6 +264,7 @@ void ControllerCode::sweepInto(CodeFunction& function, const scene::Mechanism& m
                                    tracedState(mechanism), traced, parameters_, point_))
     nodes.push_back(value.node());
   function.program = factored(graph, nodes);
+  if (isDerivative(quantity)) derivativesInto(function, mechanism);
   if (quantity == CodeQuantity::kC && hasChristoffel(mechanism)) {
     Program symbols = christoffel(mechanism, isFolded());
     if (symbols.bodyOperations().all() < function.program.bodyOperations().all()) {
@@ -226,7 +274,8 @@ void ControllerCode::sweepInto(CodeFunction& function, const scene::Mechanism& m
   }
 }
 
-CodeFunction ControllerCode::made(CodeQuantity quantity, const scene::Mechanism& mechanism) const {
+CodeFunction ControllerCode::made(CodeQuantity quantity) const {
+  const scene::Mechanism mechanism = known(quantity);
   const int n = mechanism.dof();
   CodeFunction function{quantity, {}, n, 1, "the sweep, traced"};
   if (const std::optional<Formula> formula = formulaOf(quantity)) {
@@ -243,6 +292,11 @@ CodeFunction ControllerCode::made(CodeQuantity quantity, const scene::Mechanism&
   switch (quantity) {
     case CodeQuantity::kM:
     case CodeQuantity::kC:
+    case CodeQuantity::kDtauDq:
+    case CodeQuantity::kDtauDqd:
+    case CodeQuantity::kDqddDq:
+    case CodeQuantity::kDqddDqd:
+    case CodeQuantity::kDqddDtau:
       function.columns = n;
       break;
     case CodeQuantity::kY:
@@ -266,7 +320,9 @@ CodeFunction ControllerCode::made(CodeQuantity quantity, const scene::Mechanism&
 }
 
 bool ControllerCode::hasFriction(const CodeFunction& function) const {
-  return (function.quantity == CodeQuantity::kTau || function.quantity == CodeQuantity::kQdd) &&
+  // of what is left of tau, friction apart, in dqdd_dq, too
+  return (function.quantity == CodeQuantity::kTau || function.quantity == CodeQuantity::kQdd ||
+          function.quantity == CodeQuantity::kDqddDq) &&
          std::any_of(friction_.begin(), friction_.end(),
                      [](const JointFriction& f) { return !f.isNone(); });
 }

@@ -29,6 +29,9 @@ enum class CodeParameters { kFolded, kStruct };
       M, c, g      n x n, n, n
       C            n x n  c = C qd, dM/dt - 2 C skew
       Y            n x p  M qdd + c + g = Y pi + springs, pi the scene's inertial parameters
+      dtau_dq      n x n  of q, qd, qdd, and dtau_dqd of q, qd: derivatives of tau; by q along the
+                          body's axes where rates are no derivatives of coordinates
+      dqdd_dq      n x n  of q, qd, tau, dqdd_dqd of q, qd, and dqdd_dtau of q: of qdd
       position     3      of a point, world axes [m]
       orientation  3 x 3  its columns are the link's axes in world axes
       jacobian     6 x n  J qd = (v, w) of the point, world axes
@@ -41,19 +44,28 @@ enum class CodeQuantity {
   kc,
   kg,
   kY,
+  kDtauDq,
+  kDtauDqd,
+  kDqddDq,
+  kDqddDqd,
+  kDqddDtau,
   kPosition,
   kOrientation,
   kJacobian,
   kJacobianRate
 };
 inline constexpr CodeQuantity kCodeQuantities[] = {
-    CodeQuantity::kTau,      CodeQuantity::kQdd,         CodeQuantity::kM,
-    CodeQuantity::kC,        CodeQuantity::kc,           CodeQuantity::kg,
-    CodeQuantity::kY,        CodeQuantity::kPosition,    CodeQuantity::kOrientation,
-    CodeQuantity::kJacobian, CodeQuantity::kJacobianRate};
+    CodeQuantity::kTau,         CodeQuantity::kQdd,         CodeQuantity::kM,
+    CodeQuantity::kC,           CodeQuantity::kc,           CodeQuantity::kg,
+    CodeQuantity::kY,           CodeQuantity::kDtauDq,      CodeQuantity::kDtauDqd,
+    CodeQuantity::kDqddDq,      CodeQuantity::kDqddDqd,     CodeQuantity::kDqddDtau,
+    CodeQuantity::kPosition,    CodeQuantity::kOrientation, CodeQuantity::kJacobian,
+    CodeQuantity::kJacobianRate};
 /// "tau", ..., as `evaluate` calls them
 const char* name(CodeQuantity quantity);
 bool isOfPoint(CodeQuantity quantity);
+/// dtau_dq to dqdd_dtau
+bool isDerivative(CodeQuantity quantity);
 
 /// A point of a link of the scene, exactly.
 struct CodePoint {
@@ -80,13 +92,14 @@ struct GoldenCase {
   std::vector<std::vector<double>> value, limit;
 };
 
-/// Operations beyond which no function of C, Y or kinematics is written.
+/// Operations beyond which no function of C, Y, derivatives or kinematics is written.
 inline constexpr int kMostWritten = 20000;
 
 /** The programs of a scene's quantities, to be written in a language.
 
     tau, qdd, M, c, g: the smallest road (roads.hpp), friction of joints apart, whose sign no program
-    has. C, Y and kinematics: the sweeps of recursive/, written down and regrouped (factored()).
+    has. C, Y, derivatives and kinematics: the sweeps of recursive/, written down and regrouped
+    (factored()), derivatives on base parameters where that is less.
     What does not depend on the state is no part of a call: all numbers of the scene are folded, or
     they are fields of a struct, and what depends on these alone is computed once, by NAME_init. */
 class ControllerCode {
@@ -133,8 +146,12 @@ class ControllerCode {
   /// Viscous, positive, negative by rate, in the arithmetic of the code.
   template <typename T>
   std::vector<std::array<T, 3>> frictionAs() const;
-  CodeFunction made(CodeQuantity quantity, const scene::Mechanism& without_friction) const;
-  void sweepInto(CodeFunction& function, const scene::Mechanism& without_friction) const;
+  CodeFunction made(CodeQuantity quantity) const;
+  /// What of the scene a function's program knows: friction, but for the viscous part that
+  /// derivatives by qd have, is apart.
+  scene::Mechanism known(CodeQuantity quantity) const;
+  void sweepInto(CodeFunction& function, const scene::Mechanism& mechanism) const;
+  void derivativesInto(CodeFunction& function, const scene::Mechanism& mechanism) const;
 
   scene::Scene scene_;
   std::string identifier_;

@@ -23,11 +23,15 @@ std::vector<std::string> arguments(CodeQuantity quantity) {
   switch (quantity) {
     case CodeQuantity::kTau:
     case CodeQuantity::kY:
+    case CodeQuantity::kDtauDq:
       return {"q", "qd", "qdd"};
     case CodeQuantity::kQdd:
+    case CodeQuantity::kDqddDq:
       return {"q", "qd", "tau"};
     case CodeQuantity::kC:
     case CodeQuantity::kc:
+    case CodeQuantity::kDtauDqd:
+    case CodeQuantity::kDqddDqd:
     case CodeQuantity::kJacobianRate:
       return {"q", "qd"};
     default:
@@ -81,8 +85,8 @@ class CodeWriter : private CodeLines {
                     (code_.isFolded() ? "all numbers of the scene are folded" : aboutParameters()));
     lines.push_back(!m.hasFriction()
                         ? "friction: the scene has none"
-                        : "friction (viscous, Coulomb; 0 at rest): in tau and qdd, not "
-                          "in M, c, g");
+                        : "friction (viscous, Coulomb; 0 at rest): in tau, qdd and their "
+                          "derivatives, not in M, c, g");
     lines.push_back(m.wrenches.empty() ? "constant wrenches Q: the scene has none"
                                        : "constant wrenches Q: in tau and qdd, not in M, c, g");
     if (m.isDriven() || !m.acceleration_constraints.empty())
@@ -149,6 +153,12 @@ class CodeWriter : private CodeLines {
     lines.push_back(counts + " (" + function.road + ")");
     return lines;
   }
+  /// By which q, where rates are no derivatives of it.
+  std::string alongAxes() const {
+    const scene::Mechanism& m = code_.scene_.mechanism;
+    return m.positions() == m.dof() ? ""
+                                    : " Column j as at a unit rate qd_j: along the link's axes.";
+  }
   std::string sentence(const CodeFunction& f) const {
     switch (f.quantity) {
       case CodeQuantity::kTau:
@@ -163,6 +173,16 @@ class CodeWriter : private CodeLines {
         return "Coriolis and centrifugal forces c of q, qd.";
       case CodeQuantity::kg:
         return "Gravity forces g = dV/dq of q, springs included.";
+      case CodeQuantity::kDtauDq:
+        return "Derivatives of tau by q, of q, qd, qdd: row i of tau_i." + alongAxes();
+      case CodeQuantity::kDtauDqd:
+        return "Derivatives of tau by qd, of q, qd: row i of tau_i.";
+      case CodeQuantity::kDqddDq:
+        return "Derivatives of qdd by q, of q, qd, tau: row i of qdd_i." + alongAxes();
+      case CodeQuantity::kDqddDqd:
+        return "Derivatives of qdd by qd, of q, qd: row i of qdd_i.";
+      case CodeQuantity::kDqddDtau:
+        return "Derivatives of qdd by tau, of q: the inverse of M.";
       case CodeQuantity::kY: {
         std::string text = "Regressor Y of q, qd, qdd: M qdd + c + g = Y pi + springs, pi =";
         for (const scene::InertialParameter& p : code_.parameters_)

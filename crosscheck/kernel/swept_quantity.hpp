@@ -9,6 +9,7 @@
 #include "crosscheck/kernel/controller_code.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/composite_body.hpp"
+#include "recursive/derivatives.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/point_motion.hpp"
 #include "recursive/regressor.hpp"
@@ -23,6 +24,28 @@ std::vector<T> rows(const recursive::MatrixX<T>& m) {
   return out;
 }
 
+/// One of the derivatives of tau and qdd; of dqdd_dq at the qdd that the state's tau makes.
+template <typename T>
+std::vector<T> sweptDerivative(CodeQuantity quantity, const recursive::Model<T>& model,
+                               const scene::State<T>& s) {
+  recursive::DerivativesWorkspace<T> room(model);
+  recursive::InverseDynamicsDerivatives<T> of_tau(model);
+  recursive::ForwardDynamicsDerivatives<T> of_qdd(model);
+  std::vector<T> qdd(model.dof(), T(0));
+  if (quantity == CodeQuantity::kDtauDq) qdd = s.qdd;
+  if (quantity == CodeQuantity::kDqddDq)
+    recursive::forwardDynamics(model, s.x, s.qd, s.tau, room.ws, qdd);
+  // 1/M hangs on no rates
+  const std::vector<T> qd = quantity == CodeQuantity::kDqddDtau ? qdd : s.qd;
+  recursive::inverseDynamicsDerivatives(model, s.x, qd, qdd, room, of_tau);
+  if (quantity == CodeQuantity::kDtauDq) return rows<T>(of_tau.dtau_dq);
+  if (quantity == CodeQuantity::kDtauDqd) return rows<T>(of_tau.dtau_dqd);
+  recursive::solveForAccelerations(model, room, of_tau, of_qdd);
+  return rows<T>(quantity == CodeQuantity::kDqddDq    ? of_qdd.dqdd_dq
+                 : quantity == CodeQuantity::kDqddDqd ? of_qdd.dqdd_dqd
+                                                      : of_qdd.dqdd_dtau);
+}
+
 /// A quantity by the sweeps of recursive/, row by row, on any scalar.
 template <typename T, typename Numbers>
 std::vector<T> swept(CodeQuantity quantity, const recursive::Model<T>& model,
@@ -30,6 +53,7 @@ std::vector<T> swept(CodeQuantity quantity, const recursive::Model<T>& model,
                      const std::vector<scene::InertialParameter>& parameters,
                      const std::optional<CodePoint>& point) {
   using recursive::Terms;
+  if (isDerivative(quantity)) return sweptDerivative(quantity, model, s);
   recursive::Workspace<T> ws(model);
   const std::vector<T> none(model.dof(), T(0));
   std::vector<T> out(none);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Laws of derivatives: sweeps of their own against the other sweeps on dual numbers.
+// Laws of derivatives, by sweeps of their own. Other roads to the same are compared as witnesses
+// are (derivative_roads.hpp).
 #pragma once
 
 #include <algorithm>
@@ -19,28 +20,8 @@ inline bool ratesAreDerivatives(const scene::Mechanism& mechanism) {
 
 }  // namespace detail
 
-struct ForcesByPosition : Law {
-  static constexpr LawWords kWords = {"joint forces by position", "(dtau/dq) u = d tau(q + s u)/ds",
-                                      "dtau/dq", "derivatives", "newton_euler"};
-  template <typename T>
-  static TwoSides<T> sides(SweptMechanism<T>& at) {
-    const std::vector<T>& u = at.anyDirection();
-    return {at.ofInverse().dtau_dq * at.column(u), at.tauRate({u, {}, {}, {}})};
-  }
-};
-
-struct ForcesByRate : Law {
-  static constexpr LawWords kWords = {"joint forces by rate", "(dtau/dqd) u = d tau(qd + s u)/ds",
-                                      "dtau/dqd", "derivatives", "newton_euler"};
-  template <typename T>
-  static TwoSides<T> sides(SweptMechanism<T>& at) {
-    const std::vector<T>& u = at.anyDirection();
-    return {at.ofInverse().dtau_dqd * at.column(u), at.tauRate({{}, u, {}, {}})};
-  }
-};
-
 struct ForcesByAcceleration : Law {
-  static constexpr LawWords kWords = {"joint forces by acceleration", "dtau/dqdd = M", "M",
+  static constexpr LawWords kWords = {"joint forces by acceleration", "dtau/dqdd = M", "dtau_dqdd",
                                       "derivatives", "composite_body"};
   template <typename T>
   static TwoSides<T> sides(SweptMechanism<T>& at) {
@@ -48,41 +29,42 @@ struct ForcesByAcceleration : Law {
   }
 };
 
-struct AccelerationsByPosition : Law {
-  static constexpr LawWords kWords = {"accelerations by position",
-                                      "(dqdd/dq) u = d qdd(q + s u)/ds", "dqdd/dq", "derivatives",
-                                      "articulated_body"};
+/// What a change of q or qd asks of tau at the same qdd, qdd gives way to at the same tau. Along
+/// any direction.
+struct AccelerationsGiveWay : Law {
+  static constexpr LawWords kWords = {"accelerations give way to forces",
+                                      "M dqdd/dq = -dtau/dq, M dqdd/dqd = -dtau/dqd", "dqdd_dq",
+                                      "derivatives", "composite_body"};
   template <typename T>
   static TwoSides<T> sides(SweptMechanism<T>& at) {
-    const std::vector<T>& u = at.anyDirection();
-    return {at.ofForward().dqdd_dq * at.column(u), at.qddRate({u, {}, {}, {}})};
+    using Matrix = recursive::MatrixX<T>;
+    const Matrix u = at.column(at.anyDirection());
+    TwoSides<T> out = {Matrix(at.n(), 2), Matrix(at.n(), 2)};
+    out.left << at.M() * Matrix(at.ofForward().dqdd_dq * u),
+        at.M() * Matrix(at.ofForward().dqdd_dqd * u);
+    out.right << -Matrix(at.ofInverse().dtau_dq * u), -Matrix(at.ofInverse().dtau_dqd * u);
+    return out;
   }
 };
 
-struct AccelerationsByRate : Law {
-  static constexpr LawWords kWords = {"accelerations by rate", "(dqdd/dqd) u = d qdd(qd + s u)/ds",
-                                      "dqdd/dqd", "derivatives", "articulated_body"};
+struct SymmetricInverseOfM : Law {
+  static constexpr LawWords kWords = {"symmetric accelerations by force",
+                                      "dqdd/dtau = (dqdd/dtau)', M dqdd/dtau = 1", "dqdd_dtau",
+                                      "derivatives", "composite_body"};
   template <typename T>
   static TwoSides<T> sides(SweptMechanism<T>& at) {
-    const std::vector<T>& u = at.anyDirection();
-    return {at.ofForward().dqdd_dqd * at.column(u), at.qddRate({{}, u, {}, {}})};
-  }
-};
-
-struct AccelerationsByForce : Law {
-  static constexpr LawWords kWords = {"accelerations by force",
-                                      "(dqdd/dtau) u = d qdd(tau + s u)/ds", "dqdd/dtau",
-                                      "derivatives", "articulated_body"};
-  template <typename T>
-  static TwoSides<T> sides(SweptMechanism<T>& at) {
-    const std::vector<T>& u = at.anyDirection();
-    return {at.ofForward().dqdd_dtau * at.column(u), at.qddRate({{}, {}, {}, u})};
+    using Matrix = recursive::MatrixX<T>;
+    const Matrix u = at.column(at.anyDirection()), inverse = at.ofForward().dqdd_dtau;
+    TwoSides<T> out = {Matrix(at.n(), at.n() + 1), Matrix(at.n(), at.n() + 1)};
+    out.left << inverse, at.M() * Matrix(inverse * u);
+    out.right << Matrix(inverse.transpose()), u;
+    return out;
   }
 };
 
 /// Weights and springs have a potential, whose second derivatives these are.
 struct SymmetricGravityGradient : Law {
-  static constexpr LawWords kWords = {"symmetric gradient of gravity", "dg/dq = (dg/dq)'", "dg/dq",
+  static constexpr LawWords kWords = {"symmetric gradient of gravity", "dg/dq = (dg/dq)'", "dg_dq",
                                       "derivatives", ""};
   static bool appliesTo(const scene::Mechanism& mechanism) {
     return detail::ratesAreDerivatives(mechanism);
@@ -97,7 +79,7 @@ struct SymmetricGravityGradient : Law {
 /// c = C qd is quadratic in qd, with a C that is symmetric in the rates that it multiplies.
 struct CoriolisByRate : Law {
   static constexpr LawWords kWords = {"Coriolis forces by rate", "dtau/dqd - friction = 2 C",
-                                      "dtau/dqd", "derivatives", "composite_body"};
+                                      "dtau_dqd", "derivatives", "composite_body"};
   static bool appliesTo(const scene::Mechanism& mechanism) {
     return detail::ratesAreDerivatives(mechanism);
   }

@@ -18,8 +18,7 @@ using Identities =
          CoriolisMatrix, SkewSymmetry, GradientOfThePotential, LumpingFixedJoints,
          DualityOfTransformations, Projector, SymmetricProjectedInertia, ProjectedTwice,
          DualProjections, IndependenceOfTheRoot, ReactionsAlongAxes, ReactionsAtTheBase,
-         LinearInInertialParameters, ValueOfGauss, ForcesByPosition, ForcesByRate,
-         ForcesByAcceleration, AccelerationsByPosition, AccelerationsByRate, AccelerationsByForce,
-         SymmetricGravityGradient, CoriolisByRate>;
+         LinearInInertialParameters, ValueOfGauss, ForcesByAcceleration, AccelerationsGiveWay,
+         SymmetricInverseOfM, SymmetricGravityGradient, CoriolisByRate>;
 
 }  // namespace dynwitness::crosscheck

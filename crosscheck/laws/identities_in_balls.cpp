@@ -6,29 +6,12 @@
 #include <map>
 
 #include "crosscheck/laws/compiled_identities.hpp"
+#include "crosscheck/laws/narrow_sides.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
 
 DYNWITNESS_IDENTITIES(, Ball);
-
-namespace {
-
-constexpr long kFirstBits = 128, kMostBits = 2048;
-constexpr double kNarrow = 0x1p-20 * std::numeric_limits<double>::epsilon();
-
-bool isNarrow(const TwoSides<Ball>& law) {
-  double largest = 0, radius = 0;
-  for (Eigen::Index k = 0; k < law.left.size(); ++k) {
-    const Ball difference = law.left.data()[k] - law.right.data()[k];
-    if (!difference.isFinite()) return false;
-    largest = std::max({largest, law.left.data()[k].atMost(), law.right.data()[k].atMost()});
-    radius = std::max(radius, difference.radius());
-  }
-  return radius <= kNarrow * largest;
-}
-
-}  // namespace
 
 struct IdentitiesInBalls::Impl {
   scene::Mechanism mechanism;

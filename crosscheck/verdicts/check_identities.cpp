@@ -130,27 +130,25 @@ void askInBalls(const scene::Scene& scene, const Options& options, std::vector<C
   for (int k = 0; k < std::min(options.states, kBallStates); ++k) {
     const std::vector<TwoSides<Ball>> sides =
         identities(drawState(scene.mechanism, scene.name, options.seed, k));
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      const TwoSides<Ball>& law = sides[i];
-      if (!law.failure.empty()) {
-        tallies[i].fail(k, law.failure, law.failure);
-        continue;
-      }
-      double largest = 0;
-      for (const MatrixX<Ball>* side : {&law.left, &law.right})
-        for (const Ball& x : side->reshaped()) largest = std::max(largest, x.atMost());
-      // a difference contains 0 when its midpoint is within its radius
-      const MatrixX<Ball> difference = law.left - law.right;
-      tallies[i].addDifference(k, difference.unaryExpr([](const Ball& x) { return x.mid(); }),
-                               difference.unaryExpr([](const Ball& x) { return x.radius(); }),
-                               largest);
-    }
+    for (std::size_t i = 0; i < sides.size(); ++i) addBalls(tallies[i], k, sides[i]);
   }
   for (std::size_t i = 0; i < laws.size(); ++i)
     if (isTooWide(laws[i])) laws[i] = tallies[i].result();
 }
 
 }  // namespace
+
+void addBalls(Tally& tally, int state, const TwoSides<Ball>& sides, const std::string& excuse) {
+  if (!sides.failure.empty()) return tally.fail(state, sides.failure, sides.failure);
+  double largest = 0;
+  for (const MatrixX<Ball>* side : {&sides.left, &sides.right})
+    for (const Ball& x : side->reshaped()) largest = std::max(largest, x.atMost());
+  // a difference contains 0 when its midpoint is within its radius
+  const MatrixX<Ball> difference = sides.left - sides.right;
+  tally.addDifference(state, difference.unaryExpr([](const Ball& x) { return x.mid(); }),
+                      difference.unaryExpr([](const Ball& x) { return x.radius(); }), largest,
+                      excuse);
+}
 
 IdentityTallies::IdentityTallies(const std::vector<LawWords>& laws, std::uint64_t seed) {
   for (CheckResult& check : inWords(laws)) {

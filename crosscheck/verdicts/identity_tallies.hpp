@@ -8,10 +8,15 @@
 #include <vector>
 
 #include "crosscheck/laws/law.hpp"
+#include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// Both sides in balls at a state: their difference must contain 0.
+/// @param excuse  why there may be nothing to compare where a ball is not finite; empty: there is
+void addBalls(Tally& tally, int state, const TwoSides<Ball>& sides, const std::string& excuse = {});
 
 /// One tally a law.
 class IdentityTallies {

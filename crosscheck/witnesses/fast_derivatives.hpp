@@ -2,6 +2,7 @@
 // The fast derivatives of recursive/fast/ on any scalar.
 #pragma once
 
+#include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/scalars/running_error.hpp"
@@ -59,6 +60,7 @@ typename FastDerivatives<T>::Matrices FastDerivatives<T>::ofAccelerations(
 }
 
 // compiled once, and without much optimisation, as FastSweeps is (fast_derivatives_*.cpp)
+extern template class FastDerivatives<AdjointError>;
 extern template class FastDerivatives<PrimeField>;
 extern template class FastDerivatives<RunningError>;
 extern template class FastDerivatives<Ball>;

@@ -281,7 +281,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
   const std::map<std::string, std::set<std::string>> known = {
       {"crosscheck/verdicts/backward_error.cpp",
        {"0x1p-20"}},  // of an ulp: how narrow balls are asked to be
-      {"crosscheck/laws/identities_in_balls.cpp", {"0x1p-20"}},  // the same
+      {"crosscheck/laws/narrow_sides.hpp", {"0x1p-20"}},  // the same
       {"crosscheck/kernel/kernel.cpp",
        {"0x1p-52"}},  // an operand of the program that tells compilers apart
       {"crosscheck/verdicts/check_drift.cpp",

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/conductor/crosscheck.hpp"
+#include "crosscheck/exact/derivative_checks.hpp"
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/exact/regressor_checks.hpp"
@@ -22,6 +23,7 @@
 #include "crosscheck/laws/compiled_identities.hpp"
 #include "crosscheck/laws/point_laws.hpp"
 #include "crosscheck/motion/drift.hpp"
+#include "crosscheck/verdicts/check_derivatives.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/check_mechanism.hpp"
@@ -179,6 +181,25 @@ std::set<std::string> redByAnotherDerivation(const std::string& name) {
   std::set<std::string> kinds = red(checkConstrainedExactly(scene, {}, &mass));
   add(kinds, red(checkClosuresExactly(scene, {}, &length)));
   add(kinds, red(checkRegressorExactly(scene, {}, &length)));
+  return kinds;
+}
+
+/// Derivatives: what Lagrange's are derived from, and what is answered in double, of another mass
+/// and of other lengths.
+std::set<std::string> redByOtherDerivatives() {
+  const scene::Scene scene = scene::findScene("puma_560");
+  scene::Scene mass = scene, length = scene;
+  for (scene::Link& link : mass.mechanism.links)
+    link.inertia.mass = times(link.inertia.mass, "(1 + 1e-6)");
+  for (scene::Link& link : length.mechanism.links)
+    for (scene::Number* x : {&link.joint.placement.a, &link.joint.placement.d})
+      *x = times(*x, "(1 + 1e-6)");
+  std::set<std::string> kinds;
+  for (const scene::Scene* wrong : {&mass, &length}) {
+    const PreparedScene answering(*wrong);
+    add(kinds, red(checkDerivativesExactly(scene, {}, &wrong->mechanism)));
+    add(kinds, red(checkDerivatives(scene, few(1), &answering)));
+  }
   return kinds;
 }
 
@@ -402,6 +423,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_check_that_a_report_holds_has_a_plant_that_tu
   add(red, redByAWrongMotion());
   add(red, redByASideThatIsOff());
   add(red, redByAPointThatIsOff());
+  add(red, redByOtherDerivatives());
   for (const char* name :
        {"car_axis", "andrews_squeezer", "two_handed", "satellite_held", "puma_560"})
     add(red, redByAnotherDerivation(name));

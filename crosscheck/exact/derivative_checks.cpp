@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/exact/derivative_checks.hpp"
+
+#include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/verdicts/check_derivatives.hpp"
+
+namespace dynwitness::crosscheck {
+
+std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
+                                                 const ExactOptions& options,
+                                                 const scene::Mechanism* derived) {
+  const scene::Mechanism& mechanism = scene.mechanism;
+  const LagrangeDerivatives programs(derived ? *derived : mechanism,
+                                     options.parameters == Parameters::kAsWritten);
+  const std::vector<DerivativePair> pairs = derivativePairs(mechanism);
+  Inquiry inquiry;
+  for (const DerivativePair& pair : pairs) inquiry.checks.push_back(inWords(pair));
+  inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    DerivativeRoads<PrimeField> roads(mechanism, programs, number);
+    roads.at(state);
+    SidesOfAll sides;
+    for (const DerivativePair& pair : pairs) sides.push_back(roads.sides(pair));
+    return sides;
+  };
+  return decide(scene, inquiry, options);
+}
+
+}  // namespace dynwitness::crosscheck
