@@ -14,10 +14,25 @@
 
 namespace dynwitness::symbolic {
 
+/// What the lines of a program that follow are: "link_3: velocity t4 [m/s]; ...".
+struct LineGroup {
+  struct Kind {
+    std::string noun;  ///< "velocity"; empty: nothing is known of them
+    std::vector<std::string> names;
+    std::string unit;
+  };
+  std::string of;  ///< whose they are; empty: nobody's
+  std::vector<Kind> kinds;
+};
+
 /// An equation, and what its sides are in the graph, where they are more than a name.
 struct StepEquation : Equation {
   std::optional<Node> left_value, right_value;
-  std::vector<Node> entries = {};  ///< of a matrix on the right, row by row
+  std::vector<Node> entries = {};         ///< of a matrix on the right, row by row
+  std::optional<LineGroup> heading = {};  ///< before the first line of a group
+
+  /// A line of a program, which stands for nothing but itself.
+  bool isLine() const { return !left_value && !right_value && entries.empty(); }
 };
 
 struct Step {

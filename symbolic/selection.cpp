@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -38,6 +39,34 @@ void addSymbols(const Formula& f, std::set<std::string>* names) {
   for (const Formula& operand : f.operands) addSymbols(operand, names);
 }
 
+/// Headings say what is left of their groups, before the first line that is left.
+void mendHeadings(const Step& whole, std::vector<StepEquation>* kept) {
+  const auto isKept = [kept](const std::string& name) {
+    return std::any_of(kept->begin(), kept->end(),
+                       [&](const StepEquation& e) { return e.left.symbol == name; });
+  };
+  std::optional<LineGroup> heading;
+  std::map<std::string, LineGroup> before;  // the line of this name
+  for (const StepEquation& e : whole.equations) {
+    if (e.heading) heading = e.heading;
+    if (!heading || e.left_value || !isKept(e.left.symbol)) continue;
+    for (auto kind = heading->kinds.begin(); kind != heading->kinds.end();) {
+      auto& names = kind->names;
+      names.erase(std::remove_if(names.begin(), names.end(),
+                                 [&](const std::string& name) { return !isKept(name); }),
+                  names.end());
+      kind = names.empty() ? heading->kinds.erase(kind) : kind + 1;
+    }
+    before[e.left.symbol] = *heading;
+    heading.reset();
+  }
+  for (StepEquation& e : *kept) {
+    e.heading.reset();
+    if (const auto at = before.find(e.left.symbol); at != before.end() && !e.left_value)
+      e.heading = at->second;
+  }
+}
+
 /// Keeps what is wanted, and what its letters stand for: that is written before it.
 template <typename Wanted>
 Derivation keep(Derivation derivation, const Wanted& wanted) {
@@ -55,6 +84,7 @@ Derivation keep(Derivation derivation, const Wanted& wanted) {
       equations.push_back(equation);
     }
     std::reverse(equations.begin(), equations.end());
+    mendHeadings(step, &equations);
     step.equations = std::move(equations);
     step.zeros.erase(std::remove_if(step.zeros.begin(), step.zeros.end(),
                                     [&](const std::string& name) { return !wanted(step, name); }),
