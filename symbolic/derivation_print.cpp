@@ -80,20 +80,22 @@ std::string equationsText(const Step& step, Style style) {
   std::string text;
   bool in_row = false;
   const auto endRow = [&] {
-    if (in_row) text += style == Style::kLatex ? "\n" : style == Style::kMathml ? "</div>\n" : "";
+    if (in_row)
+      text += style == Style::kLatex ? "\\par}\n\n" : style == Style::kMathml ? "</div>\n" : "";
     in_row = false;
   };
   for (const StepEquation& e : step.equations) {
     if (e.heading || !e.isLine()) endRow();
     if (e.heading) {
       const std::string heading = headingText(*e.heading, style);
-      text += style == Style::kLatex    ? "{\\small " + heading + "}\n\n"
+      text += style == Style::kLatex    ? "{\\small\\hangpara " + heading + ":\n"
               : style == Style::kMathml ? "<p class=\"group\">" + heading + "</p>\n"
                                         : "   " + heading + "\n";
     }
     switch (style) {
       case Style::kLatex:
-        text += std::string(in_row ? "\\quad " : "\\hangpara ") + "$\\displaystyle " +
+        if (e.isLine() && !in_row && !e.heading) text += "{\\small\\hangpara\n";
+        text += std::string(e.isLine() ? "\\quad " : "\\hangpara ") + "$\\displaystyle " +
                 print(e, style) + "$\n" + (e.isLine() ? "" : "\n");
         break;
       case Style::kMathml:

@@ -306,9 +306,10 @@ std::map<std::string, ParameterUnit> parameterUnits(const scene::Mechanism& mech
   return ParameterSolver(mechanism).take();
 }
 
-std::vector<std::optional<Dimension>> slotDimensions(const Program& program, const Equations& e,
-                                                     const scene::Mechanism& mechanism,
-                                                     const std::vector<Dimension>& outputs) {
+std::vector<std::optional<Dimension>> slotDimensions(
+    const Program& program, const Equations& e, const scene::Mechanism& mechanism,
+    const std::vector<Dimension>& outputs,
+    const std::function<std::optional<Dimension>(const std::string&)>& of_names) {
   ProgramSolver solver(program, static_cast<std::size_t>(program.slots));
   const auto parameters = parameterUnits(mechanism);
   for (std::size_t k = 0; k < program.atoms.size(); ++k) {
@@ -324,6 +325,8 @@ std::vector<std::optional<Dimension>> slotDimensions(const Program& program, con
   for (const Program::Load& load : program.loads)
     solver.learn(load.slot, dimensionOf(load, e, slots));
   for (std::size_t k = 0; k < outputs.size(); ++k) solver.learn(program.outputs[k], outputs[k]);
+  for (std::size_t k = 0; k < program.slot_names.size(); ++k)
+    if (const auto d = of_names(program.slot_names[k])) solver.learn(static_cast<int>(k), *d);
   while (solver.takeChange()) {
     for (const auto* part : {&program.prologue, &program.body})
       for (const Program::Instruction& i : *part) solver.visit(i);

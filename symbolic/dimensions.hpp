@@ -3,6 +3,7 @@
 // stand: a scene says numbers, and what each is of.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -47,10 +48,12 @@ std::map<std::string, ParameterUnit> parameterUnits(const scene::Mechanism& mech
 
 /** The same of all slots of a program: sums have terms of one dimension, products add them. Constants
     are folded, and may have any dimension wherever they stand.
-    @param outputs  of program.outputs
+    @param outputs   of program.outputs
+    @param of_names  of slots with names, as far as it knows them
     @return  one a slot; none: nothing follows, or two things */
-std::vector<std::optional<Dimension>> slotDimensions(const Program& program, const Equations& e,
-                                                     const scene::Mechanism& mechanism,
-                                                     const std::vector<Dimension>& outputs);
+std::vector<std::optional<Dimension>> slotDimensions(
+    const Program& program, const Equations& e, const scene::Mechanism& mechanism,
+    const std::vector<Dimension>& outputs,
+    const std::function<std::optional<Dimension>(const std::string&)>& of_names);
 
 }  // namespace dynwitness::symbolic

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
@@ -163,6 +164,53 @@ void closeShortOnes(const Equations& e, ClosedAlgebra* algebra, std::vector<Resu
   }
 }
 
+/// m (v_x^2 + v_y^2 + v_z^2)/2 + (I_xx omega_x^2 + ...)/2 of a body's links and its rotor, by the
+/// names that stand in the step before; none: not all stand there.
+std::optional<Formula> kineticByNames(const LinkMotions& motions, int body, ClosedAlgebra* algebra,
+                                      const std::set<std::string>& in_velocities) {
+  const Formula half = Formula::ofNumber(Rational(1, 2));
+  const auto named = [&](const Value& value, const std::string& name) {
+    const std::optional<Formula> closed = algebra->shortFormula(value.node);
+    const bool zero = closed && isZero(*closed);
+    return zero ? *closed : Formula::ofSymbol(name);
+  };
+  std::vector<Formula> terms;
+  const auto add = [&](const Value& number, const std::vector<Formula>& factors) {
+    const std::optional<Formula> front = algebra->shortFormula(number.node);
+    if (!front) return false;
+    if (isZero(*front) || std::any_of(factors.begin(), factors.end(), isZero)) return true;
+    std::vector<Formula> all{*front};
+    all.insert(all.end(), factors.begin(), factors.end());
+    terms.push_back(Formula::product(all));
+    return true;
+  };
+  const Value rotor = motions.rotor_kinetic[static_cast<std::size_t>(body)];
+  if (!add(rotor, {})) return std::nullopt;
+  for (const LinkMotion& link : motions.links) {
+    if (link.body != body) continue;
+    if (in_velocities.count(link.link) == 0) return std::nullopt;
+    const Value one_half = constant(rotor.graph, Rational(1, 2));
+    std::vector<Formula> squares, w;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string of = std::string("_") + "xyz"[k] + "_" + link.link;
+      const Formula v = named(link.velocity[k], "v" + of);
+      if (!isZero(v)) squares.push_back(Formula::power(v, 2));
+      w.push_back(named(link.angular[k], "omega" + of));
+    }
+    if (!squares.empty() && !add(one_half * link.mass, {Formula::sum(squares)}))
+      return std::nullopt;
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) {
+        const Formula &a = w[static_cast<std::size_t>(i)], &b = w[static_cast<std::size_t>(j)];
+        const bool is_known =
+            i == j ? isZero(a) || add(one_half * link.inertia(i, i), {Formula::power(a, 2)})
+                   : add(link.inertia(i, j), {a, b});
+        if (!is_known) return std::nullopt;
+      }
+  }
+  return Formula::sum(terms);
+}
+
 /// T as the sum of the links' shares, where it is no short formula itself.
 void sumOfShares(const std::vector<Result>& shares, Result* T) {
   if (T->closed) return;
@@ -174,38 +222,48 @@ void sumOfShares(const std::vector<Result>& shares, Result* T) {
 
 // ---- short ones beside ------------------------------------------------------------------------
 
-/// What the names of nameCompositeBodies() mean.
-std::string compositeWords() {
-  return " Of all that a joint k carries, its link among it, mck is the mass, sck the first moments of "
-         "mass and Ick the moments of inertia, about the origin of link k's joint frame, in its "
-         "axes.";
-}
-
 /// More joints have too many of these to read [joints].
 constexpr int kMostJointsListed = 12;
 
-/// The equation of a result, where it is short: what is long is named only, and what is 0 is not.
-void addIfShort(ClosedAlgebra* algebra, const std::string& name, Node node, Step* step,
-                std::vector<std::string>* long_ones) {
-  const std::optional<Formula> closed = algebra->shortFormula(node);
-  if (!closed)
-    long_ones->push_back(name);
-  else if (!isZero(*closed))
-    step->equations.push_back({{Formula::ofSymbol(name), *closed}, {}, node});
-}
+/// Equations that are short, and the names of those that are not; what is 0 is left out.
+class ShortOnes {
+ public:
+  ShortOnes(ClosedAlgebra* algebra, Step* step) : algebra_(algebra), step_(*step) {}
 
-void sayLongOnes(const std::vector<std::string>& names, Step* step) {
-  if (names.empty()) return;
-  std::string text = "longer than one line: ";
-  for (std::size_t k = 0; k < names.size(); ++k) text += (k == 0 ? "" : ", ") + names[k];
-  step->remarks.push_back(text);
-}
+  /// @param hopeful  false: what it is made of is long
+  bool add(const std::string& name, Node node, bool hopeful = true) {
+    const std::optional<Formula> closed =
+        hopeful ? algebra_->shortFormula(node) : std::optional<Formula>();
+    if (!closed)
+      long_.push_back(name);
+    else if (!isZero(*closed))
+      step_.equations.push_back({{Formula::ofSymbol(name), *closed}, {}, node});
+    return closed.has_value();
+  }
+  void sayLongOnes() {
+    constexpr std::size_t kMost = 24;
+    if (long_.empty()) return;
+    std::string text = "Longer than one line, and not shown: ";
+    for (std::size_t k = 0; k < std::min(long_.size(), kMost); ++k)
+      text += (k == 0 ? "" : ", ") + long_[k];
+    if (long_.size() > kMost)
+      text += ", and " + std::to_string(long_.size() - kMost) + " others; the rest is 0";
+    step_.remarks.push_back(text + ".");
+  }
+
+ private:
+  ClosedAlgebra* algebra_;
+  Step& step_;
+  std::vector<std::string> long_;
+};
 
 using Check = std::function<bool(const std::vector<Node>&)>;
 
 /// Where the links are and how they move, link by link.
+/// @param in_velocities  gets the links of which all velocities are shown or 0
 std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAlgebra* algebra,
-                              const std::string& at, const Check& check) {
+                              const std::string& at, const Check& check,
+                              std::set<std::string>* in_velocities) {
   Graph* graph = &e.graph;
   std::vector<Vector3> sums(motions.first_moments.size(), zeroVector(graph));
   std::vector<Value> kinetic = motions.rotor_kinetic;
@@ -217,19 +275,24 @@ std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAl
           "half of mass times velocity squared is T of each link, from velocities carried from joint to joint instead" +
               at,
           false};
-  std::vector<std::string> far, fast;
+  ShortOnes far(algebra, &positions), fast(algebra, &velocities);
   for (const LinkMotion& link : motions.links) {
     sums[static_cast<std::size_t>(link.body)] =
         sums[static_cast<std::size_t>(link.body)] + link.mass * link.position;
     kinetic[static_cast<std::size_t>(link.body)] += link.kinetic;
+    bool all_short = true;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::string axis(1, "xyz"[k]);
-      addIfShort(algebra, axis + "_" + link.link, link.position[k].node, &positions, &far);
-      addIfShort(algebra, "v_" + axis + "_" + link.link, link.velocity[k].node, &velocities, &fast);
+      const bool near = far.add(axis + "_" + link.link, link.position[k].node);
+      const bool slow = fast.add("v_" + axis + "_" + link.link, link.velocity[k].node, near);
+      all_short = all_short && slow;
     }
-    for (std::size_t k = 0; k < 3; ++k)
-      addIfShort(algebra, "omega_" + std::string(1, "xyz"[k]) + "_" + link.link,
-                 link.angular[k].node, &velocities, &fast);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool slow =
+          fast.add("omega_" + std::string(1, "xyz"[k]) + "_" + link.link, link.angular[k].node);
+      all_short = all_short && slow;
+    }
+    if (all_short) in_velocities->insert(link.link);
   }
   std::vector<Node> moments, energies;
   for (std::size_t body = 0; body < sums.size(); ++body) {
@@ -239,13 +302,14 @@ std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAl
   }
   positions.holds = check(moments);
   velocities.holds = check(energies);
-  sayLongOnes(far, &positions);
-  sayLongOnes(fast, &velocities);
+  far.sayLongOnes();
+  fast.sayLongOnes();
   return {positions, velocities};
 }
 
+/// @param is_short  whether M_ij is: no symbol is looked for in others
 Step christoffelStep(Equations& e, ClosedAlgebra* algebra, const std::string& at,
-                     const Check& check) {
+                     const Check& check, const std::function<bool(int, int)>& is_short) {
   Step step{"Christoffel symbols",
             kChristoffelSentence,
             {},
@@ -255,21 +319,22 @@ Step christoffelStep(Equations& e, ClosedAlgebra* algebra, const std::string& at
   const int n = e.dof();
   Graph* graph = &e.graph;
   const std::vector<Node> symbols = christoffelSymbols(e);
-  std::vector<std::string> long_ones;
+  ShortOnes all(algebra, &step);
   std::vector<Node> residuals;
   for (int i = 0; i < n; ++i) {
     Value c{graph, graph->negate(e.c[static_cast<std::size_t>(i)])};
     for (int j = 0; j < n; ++j)
       for (int k = j; k < n; ++k) {
         const Value gamma{graph, symbols[static_cast<std::size_t>((i * n + j) * n + k)]};
-        addIfShort(algebra, christoffelName(i, j, k), gamma.node, &step, &long_ones);
+        all.add(christoffelName(i, j, k), gamma.node,
+                e.graph.isZero(gamma.node) || (is_short(i, j) && is_short(i, k) && is_short(j, k)));
         c += constant(graph, j == k ? 1 : 2) * gamma * input(graph, Input::kVelocity, j) *
              input(graph, Input::kVelocity, k);
       }
     residuals.push_back(c.node);
   }
   step.holds = check(residuals);
-  sayLongOnes(long_ones, &step);
+  all.sayLongOnes();
   return step;
 }
 
@@ -347,8 +412,7 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism,
           "dV/dq is that of the links' shares", r.gravity);
   const std::size_t p = add("momenta p", "p_i = dT/dqd_i.", "p = M qd", r.momentum);
   const std::size_t M =
-      add("mass matrix M",
-          "M_ij = dp_i/dqd_j, with T as a sum over composite bodies." + compositeWords(),
+      add("mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
           "M qd is the momentum of T as a sum over links", r.momentum, "M");
   const std::size_t Gamma = steps.size();
   if (listed) steps.emplace_back();
@@ -380,6 +444,14 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism,
   ofJoints("g", e.g, g, false);
   if (loaded) ofJoints("Q", e.Q, Q, false);
   closeShortOnes(e, closing, &results);
+  if (listed) {
+    std::set<std::string> in_velocities;
+    const std::vector<Step> motion = motionSteps(e, *motions, closing, at, check, &in_velocities);
+    std::copy(motion.begin(), motion.end(), steps.begin() + static_cast<long>(first));
+    for (long k = 0; k < of_links; ++k)
+      if (Result& share = results[static_cast<std::size_t>(k)]; !share.closed)
+        share.closed = kineticByNames(*motions, static_cast<int>(k), closing, in_velocities);
+  }
   sumOfShares({results.begin(), results.begin() + of_links},
               &results[static_cast<std::size_t>(of_links)]);
   addLines(e, mechanism, results, &steps);
@@ -390,11 +462,11 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism,
   for (int i = 0; i < n; ++i)
     steps.back().equations.push_back(
         equationOfMotion(e, i, [&shown](const std::string& name, Node) { return shown.at(name); }));
-  if (listed) {
-    const std::vector<Step> motion = motionSteps(e, *motions, closing, at, check);
-    std::copy(motion.begin(), motion.end(), steps.begin() + static_cast<long>(first));
-    steps[Gamma] = christoffelStep(e, closing, at, check);
-  }
+  if (listed)
+    steps[Gamma] = christoffelStep(e, closing, at, check, [&](int i, int j) {
+      return shown.at(numbered("M", std::min(i, j), std::max(i, j))).symbol !=
+             numbered("M", std::min(i, j), std::max(i, j));
+    });
   return steps;
 }
 

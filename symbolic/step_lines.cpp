@@ -48,6 +48,19 @@ std::string unitIn(Dimension d, const std::string& noun) {
   return unitOf(d);
 }
 
+/// Of what velocities() and nameCompositeBodies() have named.
+std::optional<Dimension> dimensionOfName(const std::string& name) {
+  const std::size_t digit = name.find_first_of("0123456789");
+  const std::string head = name.substr(0, digit);
+  return digit == std::string::npos ? std::nullopt
+         : head == "omega"          ? std::optional(kTurning)
+         : head == "v"              ? std::optional(kVelocity)
+         : head == "mc"             ? std::optional(kMass)
+         : head == "sc"             ? std::optional(kMass + kLength)
+         : head == "Ic"             ? std::optional(kInertia)
+                                    : std::nullopt;
+}
+
 /// The lines of a program as equations of steps.
 class LinesOfSteps {
  public:
@@ -68,7 +81,7 @@ class LinesOfSteps {
           name.empty())
         name = long_[r]->name;
     lines_ = statements(program_, Style::kText);
-    dimension_of_ = slotDimensions(program_, e, mechanism, dimensions);
+    dimension_of_ = slotDimensions(program_, e, mechanism, dimensions, dimensionOfName);
     for (std::size_t i = 0; i < lines_.size(); ++i) line_of_[lines_[i].slot] = i;
     is_written_.assign(lines_.size(), false);
     findOutmost();
@@ -78,18 +91,20 @@ class LinesOfSteps {
     std::vector<std::size_t> of_step;  // of long_
     for (std::size_t r = 0; r < long_.size(); ++r)
       if (long_[r]->step == step) of_step.push_back(r);
-    if (steps_[step].quantity == "c") writeAccelerations(of_step, step);
-    // results of one link together, from the one that comes first in the way of the sweep
-    const bool outward = steps_[step].name.find("kinetic") == 0;
-    std::stable_sort(of_step.begin(), of_step.end(), [&](std::size_t a, std::size_t b) {
-      return outward ? long_[a]->link < long_[b]->link : long_[a]->link > long_[b]->link;
-    });
+    writeOutward(of_step, step);
+    // results of one link together, from the outermost on
+    std::stable_sort(of_step.begin(), of_step.end(),
+                     [&](std::size_t a, std::size_t b) { return long_[a]->link > long_[b]->link; });
     for (auto r = of_step.begin(); r != of_step.end();) {
       std::vector<std::size_t> wanted;
       const int link = long_[*r]->link;
       for (; r != of_step.end() && long_[*r]->link == link; ++r)
-        if (const auto at = line_of_.find(program_.outputs[*r]); at != line_of_.end())
-          addReads(at->second, &wanted);
+        if (const auto at = line_of_.find(program_.outputs[*r]); at != line_of_.end()) {
+          if (lines_[at->second].name == long_[*r]->name)
+            addReads(at->second, &wanted);
+          else
+            wanted.push_back(at->second);
+        }
       writeGroup(needed(wanted), link, step);
     }
   }
@@ -161,16 +176,20 @@ class LinesOfSteps {
          of == long_.end() ? std::nullopt : std::optional<Node>((*of)->node)});
   }
 
-  void writeAccelerations(const std::vector<std::size_t>& of_step, std::size_t step) {
-    if (!e_.quasi.empty()) return;  // rates are not counted as links are
+  /// Of T all lines, of c those of accelerations: what goes from link to link outward.
+  void writeOutward(const std::vector<std::size_t>& of_step, std::size_t step) {
+    const bool is_kinetic = steps_[step].name.find("kinetic") == 0;
+    if (!is_kinetic && steps_[step].quantity != "c") return;
+    if (!e_.quasi.empty() || e_.hasFollowers()) return;  // rates are not counted as links are
     std::vector<std::size_t> all;
     for (const std::size_t r : of_step)
       if (const auto at = line_of_.find(program_.outputs[r]); at != line_of_.end())
-        all.push_back(at->second);
+        addReads(at->second, &all);
     std::map<int, std::vector<std::size_t>> by_link;
     for (const std::size_t i : needed(all)) {
       const auto& d = dimension_of_[static_cast<std::size_t>(lines_[i].slot)];
-      if (d && (*d == kAcceleration || *d == kTurningFaster)) by_link[outmost_[i]].push_back(i);
+      if (is_kinetic || (d && (*d == kAcceleration || *d == kTurningFaster)))
+        by_link[outmost_[i]].push_back(i);
     }
     for (const auto& [link, wanted] : by_link) writeGroup(needed(wanted), link, step);
   }
@@ -206,6 +225,25 @@ class LinesOfSteps {
   std::vector<int> outmost_;
   std::vector<char> is_written_;
 };
+
+constexpr const char* kLinesSentence =
+    " Lines that are too long for one formula have names, and stand with the link that needs them "
+    "first.";
+constexpr const char* kCompositeSentence =
+    " Of all that joint k carries, mck is the mass, sck the first moments of mass and Ick the "
+    "moments of inertia, about the origin of link k's joint frame, in its axes.";
+
+/// What names mean, where the first of their kind stands.
+void explainNames(std::vector<Step>* steps) {
+  bool has_lines = false, has_composites = false;
+  for (Step& step : *steps)
+    for (const StepEquation& line : step.equations) {
+      if (line.isLine() && !std::exchange(has_lines, true)) step.sentence += kLinesSentence;
+      if (line.isLine() && dimensionOfName(line.left.symbol) && line.left.symbol[1] == 'c' &&
+          !std::exchange(has_composites, true))
+        step.sentence += kCompositeSentence;
+    }
+}
 
 }  // namespace
 
@@ -263,6 +301,7 @@ void addLines(Equations& e, const scene::Mechanism& mechanism, const std::vector
         (*steps)[step].equations.push_back({{Formula::ofSymbol(r.name), *r.closed}, {}, r.node});
     }
   }
+  explainNames(steps);
 }
 
 }  // namespace dynwitness::symbolic
