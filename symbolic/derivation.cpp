@@ -375,6 +375,7 @@ Derivation derivation(const scene::Mechanism& mechanism, bool linearized, int po
   result.steps = result.closed_form ? ClosedSteps(mechanism, options, equations, linearized).steps
                                     : programSteps(equations, mechanism, options, points);
   if (!result.steps.empty()) result.steps.front().sentence += followersSentence(mechanism);
+  placeParameters(&result);
   return result;
 }
 

@@ -35,6 +35,14 @@ struct StepEquation : Equation {
   bool isLine() const { return !left_value && !right_value && entries.empty(); }
 };
 
+/// A parameter of the scene where it is used first: m1 = 2 kg.
+struct ShownParameter {
+  std::string name;
+  std::string decimal;  ///< its value, where that is a decimal number
+  Formula value;        ///< otherwise: 1/3, pi/6
+  std::string unit;     ///< empty: unknown, or none
+};
+
 struct Step {
   std::string name;      ///< "kinetic energy", "c_1", ...
   std::string sentence;  ///< what is done, and from what
@@ -46,6 +54,7 @@ struct Step {
   std::vector<std::string> zeros = {};
   std::vector<std::string> remarks = {};  ///< said after the equations
   bool is_beside = false;                 ///< of another road, shown beside the others
+  std::vector<ShownParameter> parameters = {};
 };
 
 struct Derivation {
@@ -61,6 +70,9 @@ struct Derivation {
   /// A component of the state as it is called here.
   Formula input(Input input, int joint) const;
 };
+
+/// What the parameters are, each with the first step that has it in an equation.
+void placeParameters(Derivation* derivation);
 
 /// Whether derivation() of this mechanism lists closed forms, a step an equation.
 bool hasClosedForm(const scene::Mechanism& mechanism);

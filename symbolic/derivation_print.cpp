@@ -47,6 +47,22 @@ std::string nameInText(const std::string& name, Style style) {
                                    : shown;
 }
 
+/// "N m s/rad" as a person sees it: exponents raised.
+std::string unitText(const std::string& unit, Style style) {
+  std::string out;
+  for (std::size_t i = 0; i < unit.size(); ++i) {
+    if (unit[i] == '^' && style != Style::kText) {
+      ++i;
+      out += style == Style::kLatex ? std::string("^{") + unit[i] + "}"
+             : unit[i] == '2'       ? "&#xb2;"
+                                    : "&#xb3;";
+    } else {
+      out += unit[i] == ' ' && style == Style::kLatex ? "\\," : std::string(1, unit[i]);
+    }
+  }
+  return style == Style::kLatex ? "\\,\\mathrm{" + out + "}" : " " + out;
+}
+
 /// "link_3: velocity v3x, t4 [m/s]; angular velocity omega3x [rad/s]"; more than two lines that are
 /// counted in a row as t4 ... t9.
 std::string headingText(const LineGroup& group, Style style) {
@@ -70,9 +86,30 @@ std::string headingText(const LineGroup& group, Style style) {
       if (last > k) text += " ... " + nameInText(kind.names[last], style);
       k = last + 1;
     }
-    if (!kind.unit.empty()) text += " [" + printText(kind.unit, style) + "]";
+    if (!kind.unit.empty())
+      text += style == Style::kLatex ? " [$" + unitText(kind.unit, style).substr(2) + "$]"
+                                     : " [" + unitText(kind.unit, style).substr(1) + "]";
   }
   return (group.of.empty() ? "" : printText(group.of, style) + ": ") + text;
+}
+
+/// "with m1 = 2 kg, l1 = 0.5 m"
+std::string parametersText(const Step& step, Style style) {
+  std::string text;
+  for (const ShownParameter& p : step.parameters) {
+    const std::string value = p.decimal.empty() ? print(p.value, style) : p.decimal,
+                      unit = p.unit.empty() ? "" : unitText(p.unit, style),
+                      name = printName(p.name, style);
+    text += text.empty() ? "with " : ", ";
+    if (style == Style::kLatex)
+      text += "$" + name + " = " + value + unit + "$";
+    else if (style == Style::kMathml)
+      text += "<math><mrow>" + name + "<mo>=</mo>" +
+              (p.decimal.empty() ? value : "<mn>" + value + "</mn>") + "</mrow></math>" + unit;
+    else
+      text += name + " = " + value + unit;
+  }
+  return text;
 }
 
 /// The equations of a step. In print and on a page lines of a program stand side by side.
@@ -127,6 +164,7 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
   std::string text;
   int number = 0;
   for (const Step& step : derivation.steps) {
+    const std::string parameters = parametersText(step, style);
     if (style == Style::kMathml)
       text += columnTag(derivation.steps, static_cast<std::size_t>(number));
     ++number;
@@ -134,12 +172,13 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
     const std::string sentence = printText(step.sentence, style);
     const std::string verdict =
         printText(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
-    const bool told = checks || !step.holds;
+    const bool told = (checks && !step.check.empty()) || !step.holds;
     const std::vector<std::string> after = linesAfter(step);
     switch (style) {
       case Style::kLatex:
         text += "\\paragraph{" + head + "} " + sentence + "\n\n";
         text += equationsText(step, style);
+        if (!parameters.empty()) text += "{\\small " + parameters + ".}\n\n";
         for (const std::string& line : after) text += printText(line, style) + "\n\n";
         if (told) text += "{\\small Check: " + verdict + ".}\n\n";
         break;
@@ -147,6 +186,7 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
         text += "<details class=\"step\" open=\"open\"><summary>" + head + "</summary>\n<p>" +
                 sentence + "</p>\n";
         text += equationsText(step, style);
+        if (!parameters.empty()) text += "<p class=\"values\">" + parameters + "</p>\n";
         for (const std::string& line : after) text += "<p>" + printText(line, style) + "</p>\n";
         if (told)
           text += "<details class=\"" + std::string(step.holds ? "holds" : "fails") +
@@ -157,6 +197,7 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
       default:
         text += head + "\n   " + sentence + "\n";
         text += equationsText(step, style);
+        if (!parameters.empty()) text += "   " + parameters + "\n";
         for (const std::string& line : after) text += "   " + line + "\n";
         if (told) text += "   check: " + verdict + "\n";
         text += "\n";
