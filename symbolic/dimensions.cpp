@@ -294,11 +294,18 @@ std::string unitOf(Dimension d) {
                                                {kInertia + kTurning, "kg m^2/s"}}};
   for (const Word& word : kWords)
     if (word.d == d) return word.text;
-  std::string text;
-  for (const auto& [letter, n] : {std::pair<const char*, int>{"kg", d.kg}, {"m", d.m}, {"s", d.s}})
+  std::string above, below;
+  for (const auto& [letter, n] :
+       {std::pair<const char*, int>{"kg", d.kg}, {"m", d.m}, {"s", d.s}}) {
+    std::string& text = n > 0 ? above : below;
+    const int size = n > 0 ? n : -n;
     if (n != 0)
-      text +=
-          (text.empty() ? "" : " ") + std::string(letter) + (n == 1 ? "" : "^" + std::to_string(n));
+      text += (text.empty() ? "" : " ") + std::string(letter) +
+              (size == 1 ? "" : "^" + std::to_string(size));
+  }
+  std::string text = above.empty() ? "1" : above;
+  if (!below.empty())
+    text += below.find(' ') == std::string::npos ? "/" + below : "/(" + below + ")";
   return text;
 }
 

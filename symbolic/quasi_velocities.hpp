@@ -24,8 +24,10 @@ namespace dynwitness::symbolic {
 /// X_i f for all rates i.
 std::vector<Node> positionGradient(Equations& equations, Node f);
 
-/// Gamma_ijk = (X_k M_ij + X_j M_ik - X_i M_jk) / 2 at (i n + j) n + k: the Christoffel symbols of
-/// the first kind of M, where rates are derivatives of positions.
+/// Gamma_ijk = (X_k M_ij + X_j M_ik - X_i M_jk) / 2: the Christoffel symbol of the first kind of M,
+/// where rates are derivatives of positions.
+Node christoffelSymbol(Equations& equations, int i, int j, int k);
+/// All of them, Gamma_ijk at (i n + j) n + k.
 std::vector<Node> christoffelSymbols(Equations& equations);
 
 /// The direction in which the state moves: sum of X_i qd_i; with qdd, the rates move too.

@@ -146,9 +146,9 @@ Run addAction(CLI::App* command) {
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
-      "  dynwitness action simple_pendulum --duration 1    less than half a period: S is least\n"
-      "  dynwitness action simple_pendulum --duration 2    beyond the conjugate time: a saddle\n"
-      "  dynwitness action double_pendulum --friction 0.1   d'Alembert and Lagrange: dS + Q' eta = "
+      "  dynwitness action simple_pendulum --duration 1    # less than half a period: S is least\n"
+      "  dynwitness action simple_pendulum --duration 2    # beyond the conjugate time: a saddle\n"
+      "  dynwitness action double_pendulum --friction 0.1   # d'Alembert and Lagrange: dS + Q' eta = "
       "0\n"
       "Exit status 1: a check found a disagreement.");
   return [arguments] { return run(*arguments); };

@@ -187,8 +187,8 @@ Run addGeometry(CLI::App* command) {
       "  dynwitness geometry double_pendulum --q 0,1.2\n"
       "  dynwitness geometry double_pendulum --q 0,0 --qd 1,0 --duration 8\n"
       "  dynwitness geometry puma_560 --json geometry.json\n"
-      "  dynwitness geometry heavy_top       a body that turns: its rates do not commute\n"
-      "  dynwitness geometry loop_on_arm     what closures leave free, by Gauss's equation\n"
+      "  dynwitness geometry heavy_top       # a body that turns: its rates do not commute\n"
+      "  dynwitness geometry loop_on_arm     # what closures leave free, by Gauss's equation\n"
       "The laws are decided over a prime field, for every state of the scene. Exit status 1: one "
       "fails.");
   return [arguments] { return run(*arguments); };

@@ -168,7 +168,7 @@ Run addImpulse(CLI::App* command) {
       "Examples:\n"
       "  dynwitness impulse double_pendulum --at 0,0,-0.4 --impulse 1,0,0\n"
       "  dynwitness impulse puma_560 --qd 1,0.5,0,0,0,0 --wall 0,0,1 --restitution 0.5\n"
-      "  dynwitness impulse andrews_squeezer --qd 1,0,0,0,0,0,0    closures that bind at "
+      "  dynwitness impulse andrews_squeezer --qd 1,0,0,0,0,0,0    # closures that bind at "
       "once\n"
       "The laws are checked at this state within rounding, and over a prime field for every state "
       "and\n"

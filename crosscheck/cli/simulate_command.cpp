@@ -341,7 +341,7 @@ Run addSimulate(CLI::App* command) {
       "dynwitness simulate double_pendulum --q 1,0.5 --until \"q2 = 0 rising\" --times 5\n"
       "dynwitness simulate acrobot --tau \"elbow=2*sin(3*t)\" --csv motion.csv\n"
       "dynwitness simulate acrobot --method runge_kutta4,gauss_4,implicit_midpoint --plot methods.svg\n"
-      "dynwitness simulate two_handed --duration 1              its acceleration constraints hold it\n"
+      "dynwitness simulate two_handed --duration 1   # held by its constraints\n"
       "dynwitness simulate two_handed --duration 1 --controller operational_space --task-gains 100,20 --posture "
       "20,4");
   addScene(*command, arguments->scene, "Scene");
