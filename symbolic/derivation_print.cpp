@@ -122,7 +122,8 @@ std::string equationsText(const Step& step, Style style) {
     in_row = false;
   };
   for (const StepEquation& e : step.equations) {
-    if (e.heading || !e.isLine()) endRow();
+    const bool is_in_row = e.isLine() || e.heading;  // a result may be the first of its group
+    if (e.heading || !is_in_row) endRow();
     if (e.heading) {
       const std::string heading = headingText(*e.heading, style);
       text += style == Style::kLatex    ? "{\\small\\hangpara " + heading + ":\n"
@@ -131,19 +132,19 @@ std::string equationsText(const Step& step, Style style) {
     }
     switch (style) {
       case Style::kLatex:
-        if (e.isLine() && !in_row && !e.heading) text += "{\\small\\hangpara\n";
-        text += std::string(e.isLine() ? "\\quad " : "\\hangpara ") + "$\\displaystyle " +
-                print(e, style) + "$\n" + (e.isLine() ? "" : "\n");
+        if (is_in_row && !in_row && !e.heading) text += "{\\small\\hangpara\n";
+        text += std::string(is_in_row ? "\\quad " : "\\hangpara ") + "$\\displaystyle " +
+                print(e, style) + "$\n" + (is_in_row ? "" : "\n");
         break;
       case Style::kMathml:
-        if (e.isLine() && !in_row) text += "<div class=\"lines\">\n";
+        if (is_in_row && !in_row) text += "<div class=\"lines\">\n";
         text += "<div class=\"equation\" data-latex=\"" +
                 printText(print(e, Style::kLatex), style) + "\">" + print(e, style) + "</div>\n";
         break;
       default:
         text += "     " + print(e, Style::kText) + "\n";
     }
-    in_row = e.isLine();
+    in_row = is_in_row;
   }
   endRow();
   return text;
