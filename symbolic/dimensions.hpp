@@ -46,8 +46,8 @@ struct ParameterUnit {
 };
 std::map<std::string, ParameterUnit> parameterUnits(const scene::Mechanism& mechanism);
 
-/** The same of all slots of a program: sums have terms of one dimension, products add them. Constants
-    are folded, and may have any dimension wherever they stand.
+/** The same of all slots of a program: sums have terms of one dimension, products add them.
+    Constants are folded, and may have any dimension wherever they stand.
     @param outputs   of program.outputs
     @param of_names  of slots with names, as far as it knows them
     @return  one a slot; none: nothing follows, or two things */

@@ -142,8 +142,8 @@ std::vector<int> slotsOfRates(const scene::Mechanism& mechanism) {
   return slots;
 }
 
-/// The positions that an angle is the sum of, each as often as it stands there, those that are taken
-/// off last; empty: it is none, or one position alone.
+/// The positions that an angle is the sum of, each as often as it stands there, those that are
+/// taken off last; empty: it is none, or one position alone.
 std::optional<std::vector<int>> summands(const Formula& angle) {
   std::vector<int> plus, minus;
   const std::vector<Formula> one{angle};
