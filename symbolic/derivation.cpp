@@ -17,10 +17,6 @@ namespace {
 
 // ---- closed forms -------------------------------------------------------------------------------
 
-std::string christoffelName(int i, int j, int k) {
-  return numbered("Gamma", i, j) + std::to_string(k + 1);
-}
-
 /// The steps of Lagrange's way in closed form, each checked by another road where it stands.
 class ClosedSteps {
  public:
@@ -84,14 +80,7 @@ class ClosedSteps {
 };
 
 void ClosedSteps::positions() {
-  Step step{
-      "positions",
-      "The centre of mass of each link that moves, in axes of the world; what is not listed "
-      "is 0.",
-      {},
-      "sum of m p over the links that move together is their first moment of mass, of which V "
-      "is made",
-      true};
+  Step step{"positions", kPositionsSentence, {}, kPositionsCheck, true};
   std::vector<Vector3> sums(motions_.first_moments.size(), zeroVector(&e_.graph));
   for (const LinkMotion& link : motions_.links) {
     addComponents("", link.link, link.position, &step);
@@ -105,15 +94,12 @@ void ClosedSteps::positions() {
 }
 
 void ClosedSteps::velocities() {
-  Step step{
-      "velocities",
-      "v = dp/dt of the same points, in axes of the world; omega of each link, in its own "
-      "axes, from the turn R that takes them to the world's: R' dR/dt = [omega]x. What is not "
-      "listed is 0.",
-      {},
-      "the energies of the next step, which are formed from velocities carried from joint to "
-      "joint instead",
-      true};
+  Step step{"velocities",
+            kVelocitiesSentence,
+            {},
+            "the energies of the next step, which are formed from velocities carried from joint to "
+            "joint instead",
+            true};
   for (const LinkMotion& link : motions_.links) {
     addComponents("v_", link.link, link.velocity, &step);
     addComponents("omega_", link.link, link.angular, &step);
@@ -218,12 +204,12 @@ void ClosedSteps::massMatrix() {
 
 void ClosedSteps::christoffelSymbols() {
   Step step{"Christoffel symbols",
-            "Gamma_ijk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)/2; those that are not listed are "
-            "0, and Gamma_ikj = Gamma_ijk.",
+            kChristoffelSentence,
             {},
             "symmetric in j and k, and dM_ij/dq_k = Gamma_ijk + Gamma_jik",
             true,
             "c"};
+  const std::vector<Node> symbols = symbolic::christoffelSymbols(e_);
   for (int i = 0; i < n_; ++i) {
     for (int j = 0; j < n_; ++j) {
       for (int k = 0; k < n_; ++k) {
@@ -232,7 +218,7 @@ void ClosedSteps::christoffelSymbols() {
                      isZero(byPosition(f_.M[i][j], k) - gamma - f_.Gamma[j][i][k]);
         if (k >= j && !isZero(gamma))
           step.equations.push_back(
-              equation(christoffelName(i, j, k), gamma, christoffelSymbol(e_, i, j, k)));
+              equation(christoffelName(i, j, k), gamma, symbols[(i * n_ + j) * n_ + k]));
       }
     }
   }
@@ -387,8 +373,9 @@ Derivation derivation(const scene::Mechanism& mechanism, bool linearized, int po
   result.joints = equations.joints;
   result.closed_form = hasClosedForm(mechanism);
   result.steps = result.closed_form ? ClosedSteps(mechanism, options, equations, linearized).steps
-                                    : programSteps(equations, mechanism, points);
+                                    : programSteps(equations, mechanism, options, points);
   if (!result.steps.empty()) result.steps.front().sentence += followersSentence(mechanism);
+  placeParameters(&result);
   return result;
 }
 

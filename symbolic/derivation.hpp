@@ -14,10 +14,33 @@
 
 namespace dynwitness::symbolic {
 
+/// What the lines of a program that follow are: "link_3: velocity t4 [m/s]; ...".
+struct LineGroup {
+  struct Kind {
+    std::string noun;  ///< "velocity"; empty: nothing is known of them
+    std::vector<std::string> names;
+    std::string unit;
+  };
+  std::string of;  ///< whose they are; empty: nobody's
+  std::vector<Kind> kinds;
+};
+
 /// An equation, and what its sides are in the graph, where they are more than a name.
 struct StepEquation : Equation {
   std::optional<Node> left_value, right_value;
-  std::vector<Node> entries = {};  ///< of a matrix on the right, row by row
+  std::vector<Node> entries = {};         ///< of a matrix on the right, row by row
+  std::optional<LineGroup> heading = {};  ///< before the first line of a group
+
+  /// A line of a program, which stands for nothing but itself.
+  bool isLine() const { return !left_value && !right_value && entries.empty(); }
+};
+
+/// A parameter of the scene where it is used first: m1 = 2 kg.
+struct ShownParameter {
+  std::string name;
+  std::string decimal;  ///< its value, where that is a decimal number
+  Formula value;        ///< otherwise: 1/3, pi/6
+  std::string unit;     ///< empty: unknown, or none
 };
 
 struct Step {
@@ -31,6 +54,7 @@ struct Step {
   std::vector<std::string> zeros = {};
   std::vector<std::string> remarks = {};  ///< said after the equations
   bool is_beside = false;                 ///< of another road, shown beside the others
+  std::vector<ShownParameter> parameters = {};
 };
 
 struct Derivation {
@@ -46,6 +70,9 @@ struct Derivation {
   /// A component of the state as it is called here.
   Formula input(Input input, int joint) const;
 };
+
+/// What the parameters are, each with the first step that has it in an equation.
+void placeParameters(Derivation* derivation);
 
 /// Whether derivation() of this mechanism lists closed forms, a step an equation.
 bool hasClosedForm(const scene::Mechanism& mechanism);

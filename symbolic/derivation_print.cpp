@@ -39,6 +39,117 @@ std::vector<std::string> linesAfter(const Step& step) {
   return lines;
 }
 
+/// A name of a formula within a sentence.
+std::string nameInText(const std::string& name, Style style) {
+  const std::string shown = printName(name, style);
+  return style == Style::kLatex    ? "$" + shown + "$"
+         : style == Style::kMathml ? "<math>" + shown + "</math>"
+                                   : shown;
+}
+
+/// "N m s/rad" as a person sees it: exponents raised.
+std::string unitText(const std::string& unit, Style style) {
+  std::string out;
+  for (std::size_t i = 0; i < unit.size(); ++i) {
+    if (unit[i] == '^' && style != Style::kText) {
+      ++i;
+      out += style == Style::kLatex ? std::string("^{") + unit[i] + "}"
+             : unit[i] == '2'       ? "&#xb2;"
+                                    : "&#xb3;";
+    } else {
+      out += unit[i] == ' ' && style == Style::kLatex ? "\\," : std::string(1, unit[i]);
+    }
+  }
+  return style == Style::kLatex ? "\\,\\mathrm{" + out + "}" : " " + out;
+}
+
+/// "link_3: velocity v3x, t4 [m/s]; angular velocity omega3x [rad/s]"; more than two lines that are
+/// counted in a row as t4 ... t9.
+std::string headingText(const LineGroup& group, Style style) {
+  const auto number = [](const std::string& name) {
+    return name.front() == 't' && name.size() > 1 &&
+                   name.find_first_not_of("0123456789", 1) == std::string::npos
+               ? std::stol(name.substr(1))
+               : -1;
+  };
+  std::string text;
+  for (const LineGroup::Kind& kind : group.kinds) {
+    text += text.empty() ? "" : "; ";
+    if (!kind.noun.empty()) text += printText(kind.noun, style) + " ";
+    for (std::size_t k = 0; k < kind.names.size();) {
+      std::size_t last = k;
+      while (last + 1 < kind.names.size() && number(kind.names[last]) > 0 &&
+             number(kind.names[last + 1]) == number(kind.names[last]) + 1)
+        ++last;
+      if (last < k + 2) last = k;
+      text += (k == 0 ? "" : ", ") + nameInText(kind.names[k], style);
+      if (last > k) text += " ... " + nameInText(kind.names[last], style);
+      k = last + 1;
+    }
+    if (!kind.unit.empty())
+      text += style == Style::kLatex ? " [$" + unitText(kind.unit, style).substr(2) + "$]"
+                                     : " [" + unitText(kind.unit, style).substr(1) + "]";
+  }
+  return (group.of.empty() ? "" : printText(group.of, style) + ": ") + text;
+}
+
+/// "with m1 = 2 kg, l1 = 0.5 m"
+std::string parametersText(const Step& step, Style style) {
+  std::string text;
+  for (const ShownParameter& p : step.parameters) {
+    const std::string value = p.decimal.empty() ? print(p.value, style) : p.decimal,
+                      unit = p.unit.empty() ? "" : unitText(p.unit, style),
+                      name = printName(p.name, style);
+    text += text.empty() ? "with " : ", ";
+    if (style == Style::kLatex)
+      text += "$" + name + " = " + value + unit + "$";
+    else if (style == Style::kMathml)
+      text += "<math><mrow>" + name + "<mo>=</mo>" +
+              (p.decimal.empty() ? value : "<mn>" + value + "</mn>") + "</mrow></math>" + unit;
+    else
+      text += name + " = " + value + unit;
+  }
+  return text;
+}
+
+/// The equations of a step. In print and on a page lines of a program stand side by side.
+std::string equationsText(const Step& step, Style style) {
+  std::string text;
+  bool in_row = false;
+  const auto endRow = [&] {
+    if (in_row)
+      text += style == Style::kLatex ? "\\par}\n\n" : style == Style::kMathml ? "</div>\n" : "";
+    in_row = false;
+  };
+  for (const StepEquation& e : step.equations) {
+    const bool is_in_row = e.isLine() || e.heading;  // a result may be the first of its group
+    if (e.heading || !is_in_row) endRow();
+    if (e.heading) {
+      const std::string heading = headingText(*e.heading, style);
+      text += style == Style::kLatex    ? "{\\small\\hangpara " + heading + ":\n"
+              : style == Style::kMathml ? "<p class=\"group\">" + heading + "</p>\n"
+                                        : "   " + heading + "\n";
+    }
+    switch (style) {
+      case Style::kLatex:
+        if (is_in_row && !in_row && !e.heading) text += "{\\small\\hangpara\n";
+        text += std::string(is_in_row ? "\\quad " : "\\hangpara ") + "$\\displaystyle " +
+                print(e, style) + "$\n" + (is_in_row ? "" : "\n");
+        break;
+      case Style::kMathml:
+        if (is_in_row && !in_row) text += "<div class=\"lines\">\n";
+        text += "<div class=\"equation\" data-latex=\"" +
+                printText(print(e, Style::kLatex), style) + "\">" + print(e, style) + "</div>\n";
+        break;
+      default:
+        text += "     " + print(e, Style::kText) + "\n";
+    }
+    in_row = is_in_row;
+  }
+  endRow();
+  return text;
+}
+
 /// What stands before a step on a page where two roads are in two columns.
 std::string columnTag(const std::vector<Step>& steps, std::size_t k) {
   const auto besides = [](const Step& step) { return step.is_beside; };
@@ -54,6 +165,7 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
   std::string text;
   int number = 0;
   for (const Step& step : derivation.steps) {
+    const std::string parameters = parametersText(step, style);
     if (style == Style::kMathml)
       text += columnTag(derivation.steps, static_cast<std::size_t>(number));
     ++number;
@@ -61,22 +173,21 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
     const std::string sentence = printText(step.sentence, style);
     const std::string verdict =
         printText(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
-    const bool told = checks || !step.holds;
+    const bool told = (checks && !step.check.empty()) || !step.holds;
     const std::vector<std::string> after = linesAfter(step);
     switch (style) {
       case Style::kLatex:
         text += "\\paragraph{" + head + "} " + sentence + "\n\n";
-        for (const Equation& e : step.equations)
-          text += "\\hangpara $\\displaystyle " + print(e, style) + "$\n\n";
+        text += equationsText(step, style);
+        if (!parameters.empty()) text += "{\\small " + parameters + ".}\n\n";
         for (const std::string& line : after) text += printText(line, style) + "\n\n";
         if (told) text += "{\\small Check: " + verdict + ".}\n\n";
         break;
       case Style::kMathml:
         text += "<details class=\"step\" open=\"open\"><summary>" + head + "</summary>\n<p>" +
                 sentence + "</p>\n";
-        for (const Equation& e : step.equations)
-          text += "<div class=\"equation\" data-latex=\"" +
-                  printText(print(e, Style::kLatex), style) + "\">" + print(e, style) + "</div>\n";
+        text += equationsText(step, style);
+        if (!parameters.empty()) text += "<p class=\"values\">" + parameters + "</p>\n";
         for (const std::string& line : after) text += "<p>" + printText(line, style) + "</p>\n";
         if (told)
           text += "<details class=\"" + std::string(step.holds ? "holds" : "fails") +
@@ -86,7 +197,8 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
         break;
       default:
         text += head + "\n   " + sentence + "\n";
-        for (const Equation& e : step.equations) text += "     " + print(e, Style::kText) + "\n";
+        text += equationsText(step, style);
+        if (!parameters.empty()) text += "   " + parameters + "\n";
         for (const std::string& line : after) text += "   " + line + "\n";
         if (told) text += "   check: " + verdict + "\n";
         text += "\n";

@@ -20,6 +20,12 @@ std::string numbered(const std::string& letter, int i, int j) {
   return letter + std::to_string(i + 1) + (wide ? "_" : "") + std::to_string(j + 1);
 }
 
+std::string christoffelName(int i, int j, int k) {
+  const std::string joint = (i > 8 || j > 8 || k > 8) ? "_" : "";
+  return "Gamma" + std::to_string(i + 1) + joint + std::to_string(j + 1) + joint +
+         std::to_string(k + 1);
+}
+
 StepEquation equationOfMotion(Equations& e, int i, const ShownEntry& shown) {
   Graph& graph = e.graph;
   Node left_value = graph.add(e.c[i], e.g[i]);

@@ -44,16 +44,31 @@ Vector3 spun(const scene::MassProperties& inertia, NodeNumbers& number, const Ve
   return h;
 }
 
-Value kineticEnergy(const scene::MassProperties& inertia, NodeNumbers& number,
-                    const LinkMotion& link) {
+/// About the centre of mass: of an inertia about the link's origin without Steiner's part.
+Symmetric aboutCom(const scene::MassProperties& inertia, NodeNumbers& number, const Value& mass) {
+  Graph* graph = mass.graph;
+  Symmetric I = zeroMatrix(graph);
+  for (int j = 0; j < 3; ++j) {
+    Vector3 unit = zeroVector(graph);
+    unit[static_cast<std::size_t>(j)] = constant(graph, 1);
+    Vector3 column = spun(inertia, number, unit);
+    if (inertia.about == scene::MassProperties::About::kLinkOrigin) {
+      const Vector3 com = number.vector(inertia.com);
+      column = column + constant(graph, -1) * mass * cross(com, cross(unit, com));
+    }
+    for (int i = 0; i <= j; ++i) I(i, j) = column[static_cast<std::size_t>(i)];
+  }
+  return I;
+}
+
+Value kineticEnergy(const LinkMotion& link) {
   Graph* graph = link.position[0].graph;
   const Value half = constant(graph, Rational(1, 2));
-  Value turning = dot(link.angular, spun(inertia, number, link.angular));
-  if (inertia.about == scene::MassProperties::About::kLinkOrigin) {  // Steiner's part is not the
-    const Vector3 lever = cross(link.angular, number.vector(inertia.com));  // link's own spin
-    turning = turning - link.mass * dot(lever, lever);
-  }
-  return half * link.mass * dot(link.velocity, link.velocity) + half * turning;
+  const Vector3& w = link.angular;
+  const Symmetric& I = link.inertia;
+  const Value turning = I.xx * (w[0] * w[0]) + I.yy * (w[1] * w[1]) + I.zz * (w[2] * w[2]),
+              mixed = I.xy * (w[0] * w[1]) + I.xz * (w[0] * w[2]) + I.yz * (w[1] * w[2]);
+  return half * link.mass * dot(link.velocity, link.velocity) + half * turning + mixed;
 }
 
 bool hasMass(const scene::MassProperties& inertia) {
@@ -111,7 +126,8 @@ LinkMotions linkMotions(const scene::Mechanism& mechanism, const Options& option
     m.angular = angular[frame.body];
     for (const FrameStep& step : frame.offset)
       if (step.is_rotation) m.angular = turned(step, m.angular);
-    m.kinetic = kineticEnergy(link.inertia, tree.number(), m);
+    m.inertia = aboutCom(link.inertia, tree.number(), m.mass);
+    m.kinetic = kineticEnergy(m);
     result.links.push_back(std::move(m));
   }
   return result;

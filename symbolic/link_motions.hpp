@@ -16,12 +16,13 @@ namespace dynwitness::symbolic {
     and no velocity is carried from link to link, as kineticByVelocities() does. */
 struct LinkMotion {
   std::string link;
-  int body;          ///< of Equations::links
-  Value mass;        ///< [kg]
-  Vector3 position;  ///< of the centre of mass, in axes of the world [m]
-  Vector3 velocity;  ///< of the centre of mass, in axes of the world [m/s]
-  Vector3 angular;   ///< omega, in axes of the link [rad/s]
-  Value kinetic;     ///< m v'v / 2 + omega' I omega / 2, I about the centre of mass [J]
+  int body;           ///< of Equations::links
+  Value mass;         ///< [kg]
+  Vector3 position;   ///< of the centre of mass, in axes of the world [m]
+  Vector3 velocity;   ///< of the centre of mass, in axes of the world [m/s]
+  Vector3 angular;    ///< omega, in axes of the link [rad/s]
+  Symmetric inertia;  ///< I about the centre of mass, in axes of the link [kg m^2]
+  Value kinetic;      ///< m v'v / 2 + omega' I omega / 2, I about the centre of mass [J]
 };
 
 struct LinkMotions {

@@ -4,13 +4,15 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
 #include "symbolic/derivation_steps.hpp"
 #include "symbolic/exact_points.hpp"
-#include "symbolic/print.hpp"
+#include "symbolic/link_motions.hpp"
 #include "symbolic/quasi_velocities.hpp"
+#include "symbolic/step_lines.hpp"
 
 namespace dynwitness::symbolic {
 namespace {
@@ -154,82 +156,186 @@ std::vector<Node> rateSlopes(Equations& e) {
   return e.graph.directionalDerivative(wrenches, any);
 }
 
-/// A result of the program, and the step that it belongs to.
-struct Result {
-  std::string name;
-  Node node;
-  std::size_t step;
-  std::optional<Formula> closed = {};  ///< none: it is shown as lines
-};
-
-/// The program's lines as equations, each under the first step that needs it, and after them what
-/// the step is about.
-void addLines(const Graph& graph, const std::vector<Result>& results, std::vector<Step>* steps) {
-  std::vector<Node> nodes;
-  std::vector<const Result*> long_ones;
-  for (const Result& r : results)
-    if (!r.closed) {
-      nodes.push_back(r.node);
-      long_ones.push_back(&r);
-    }
-  const Program program = compile(graph, nodes);
-  const std::vector<Statement> lines = statements(program, Style::kText);
-  std::map<int, std::size_t> line_of;
-  for (std::size_t i = 0; i < lines.size(); ++i) line_of[lines[i].slot] = i;
-  std::vector<std::size_t> step_of(lines.size(), steps->size());
-  for (std::size_t r = 0; r < long_ones.size(); ++r) {
-    std::vector<int> open{program.outputs[r]};
-    while (!open.empty()) {
-      const auto it = line_of.find(open.back());
-      open.pop_back();
-      if (it == line_of.end() || step_of[it->second] <= long_ones[r]->step) continue;
-      step_of[it->second] = long_ones[r]->step;
-      open.insert(open.end(), lines[it->second].reads.begin(), lines[it->second].reads.end());
-    }
-  }
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (step_of[i] < steps->size())
-      (*steps)[step_of[i]].equations.push_back(
-          {{Formula::ofSymbol(lines[i].name), lines[i].value}, {}, {}});
-  std::map<std::string, Formula> by_lines;
-  for (std::size_t r = 0; r < long_ones.size(); ++r) {
-    const auto it = line_of.find(program.outputs[r]);
-    by_lines[long_ones[r]->name] = it != line_of.end() ? Formula::ofSymbol(lines[it->second].name)
-                                                       : leafFormula(program, program.outputs[r]);
-  }
-  for (const Result& r : results) {
-    Step& step = (*steps)[r.step];
-    if (r.closed && isZero(*r.closed))
-      step.zeros.push_back(r.name);
-    else
-      step.equations.push_back(
-          {{Formula::ofSymbol(r.name), r.closed ? *r.closed : by_lines.at(r.name)}, {}, r.node});
-  }
-}
-
 /// Which results are short: decided for each, where rates are derivatives and positions are theirs.
-void closeShortOnes(const Equations& e, std::vector<Result>* results) {
-  const bool is_plain = e.quasi.empty() && !e.hasFollowers();
-  std::optional<ClosedAlgebra> algebra;
-  if (is_plain) algebra.emplace(e);
+void closeShortOnes(const Equations& e, ClosedAlgebra* algebra, std::vector<Result>* results) {
   for (Result& r : *results) {
     if (algebra) r.closed = algebra->shortFormula(r.node);
     if (e.graph.isZero(r.node)) r.closed = Formula::ofNumber(0);
   }
 }
 
-/// T as the sum of the links' shares, which stand before it, where these are short and T is not.
-void splitKinetic(std::size_t links, std::vector<Result>* results) {
-  const auto T = results->begin() + static_cast<long>(links);
-  const auto is_short = [](const Result& share) { return share.closed.has_value(); };
-  if (T->closed || !std::all_of(results->begin(), T, is_short)) {
-    results->erase(results->begin(), T);
-    return;
+/// m (v_x^2 + v_y^2 + v_z^2)/2 + (I_xx omega_x^2 + ...)/2 of a body's links and its rotor, by the
+/// names that stand in the step before; none: not all stand there.
+std::optional<Formula> kineticByNames(const LinkMotions& motions, int body, ClosedAlgebra* algebra,
+                                      const std::set<std::string>& in_velocities) {
+  const Formula half = Formula::ofNumber(Rational(1, 2));
+  const auto named = [&](const Value& value, const std::string& name) {
+    const std::optional<Formula> closed = algebra->shortFormula(value.node);
+    const bool zero = closed && isZero(*closed);
+    return zero ? *closed : Formula::ofSymbol(name);
+  };
+  std::vector<Formula> terms;
+  const auto add = [&](const Value& number, const std::vector<Formula>& factors) {
+    const std::optional<Formula> front = algebra->shortFormula(number.node);
+    if (!front) return false;
+    if (isZero(*front) || std::any_of(factors.begin(), factors.end(), isZero)) return true;
+    std::vector<Formula> all{*front};
+    all.insert(all.end(), factors.begin(), factors.end());
+    terms.push_back(Formula::product(all));
+    return true;
+  };
+  const Value rotor = motions.rotor_kinetic[static_cast<std::size_t>(body)];
+  if (!add(rotor, {})) return std::nullopt;
+  for (const LinkMotion& link : motions.links) {
+    if (link.body != body) continue;
+    if (in_velocities.count(link.link) == 0) return std::nullopt;
+    const Value one_half = constant(rotor.graph, Rational(1, 2));
+    std::vector<Formula> squares, w;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string of = std::string("_") + "xyz"[k] + "_" + link.link;
+      const Formula v = named(link.velocity[k], "v" + of);
+      if (!isZero(v)) squares.push_back(Formula::power(v, 2));
+      w.push_back(named(link.angular[k], "omega" + of));
+    }
+    if (!squares.empty() && !add(one_half * link.mass, {Formula::sum(squares)}))
+      return std::nullopt;
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) {
+        const Formula &a = w[static_cast<std::size_t>(i)], &b = w[static_cast<std::size_t>(j)];
+        const bool is_known =
+            i == j ? isZero(a) || add(one_half * link.inertia(i, i), {Formula::power(a, 2)})
+                   : add(link.inertia(i, j), {a, b});
+        if (!is_known) return std::nullopt;
+      }
   }
-  std::vector<Formula> shares;
-  for (auto share = results->begin(); share != T; ++share)
-    if (!isZero(*share->closed)) shares.push_back(Formula::ofSymbol(share->name));
-  T->closed = Formula::sum(shares);
+  return Formula::sum(terms);
+}
+
+/// T as the sum of the links' shares, where it is no short formula itself.
+void sumOfShares(const std::vector<Result>& shares, Result* T) {
+  if (T->closed) return;
+  std::vector<Formula> names;
+  for (const Result& share : shares)
+    if (!share.closed || !isZero(*share.closed)) names.push_back(Formula::ofSymbol(share.name));
+  T->closed = Formula::sum(names);
+}
+
+// ---- short ones beside ------------------------------------------------------------------------
+
+/// More joints have too many of these to read [joints].
+constexpr int kMostJointsListed = 12;
+
+/// Equations that are short, and the names of those that are not; what is 0 is left out.
+class ShortOnes {
+ public:
+  ShortOnes(ClosedAlgebra* algebra, Step* step) : algebra_(algebra), step_(*step) {}
+
+  /// @param hopeful  false: what it is made of is long
+  bool add(const std::string& name, Node node, bool hopeful = true) {
+    const std::optional<Formula> closed =
+        hopeful ? algebra_->shortFormula(node) : std::optional<Formula>();
+    if (!closed)
+      long_.push_back(name);
+    else if (!isZero(*closed))
+      step_.equations.push_back({{Formula::ofSymbol(name), *closed}, {}, node});
+    return closed.has_value();
+  }
+  void sayLongOnes() {
+    constexpr std::size_t kMost = 24;
+    if (long_.empty()) return;
+    std::string text = "Longer than one line, and not shown: ";
+    for (std::size_t k = 0; k < std::min(long_.size(), kMost); ++k)
+      text += (k == 0 ? "" : ", ") + long_[k];
+    if (long_.size() > kMost)
+      text += ", and " + std::to_string(long_.size() - kMost) + " others; the rest is 0";
+    step_.remarks.push_back(text + ".");
+  }
+
+ private:
+  ClosedAlgebra* algebra_;
+  Step& step_;
+  std::vector<std::string> long_;
+};
+
+using Check = std::function<bool(const std::vector<Node>&)>;
+
+/// Where the links are and how they move, link by link.
+/// @param in_velocities  gets the links of which all velocities are shown or 0
+std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAlgebra* algebra,
+                              const std::string& at, const Check& check,
+                              std::set<std::string>* in_velocities) {
+  Graph* graph = &e.graph;
+  std::vector<Vector3> sums(motions.first_moments.size(), zeroVector(graph));
+  std::vector<Value> kinetic = motions.rotor_kinetic;
+  Step positions{"positions", kPositionsSentence, {}, kPositionsCheck + at, false},
+      velocities{
+          "velocities",
+          kVelocitiesSentence,
+          {},
+          "half of mass times velocity squared is T of each link, from velocities carried from joint to joint instead" +
+              at,
+          false};
+  ShortOnes far(algebra, &positions), fast(algebra, &velocities);
+  for (const LinkMotion& link : motions.links) {
+    sums[static_cast<std::size_t>(link.body)] =
+        sums[static_cast<std::size_t>(link.body)] + link.mass * link.position;
+    kinetic[static_cast<std::size_t>(link.body)] += link.kinetic;
+    bool all_short = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string axis(1, "xyz"[k]);
+      const bool near = far.add(axis + "_" + link.link, link.position[k].node);
+      const bool slow = fast.add("v_" + axis + "_" + link.link, link.velocity[k].node, near);
+      all_short = all_short && slow;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool slow =
+          fast.add("omega_" + std::string(1, "xyz"[k]) + "_" + link.link, link.angular[k].node);
+      all_short = all_short && slow;
+    }
+    if (all_short) in_velocities->insert(link.link);
+  }
+  std::vector<Node> moments, energies;
+  for (std::size_t body = 0; body < sums.size(); ++body) {
+    for (std::size_t k = 0; k < 3; ++k)
+      moments.push_back((sums[body][k] - motions.first_moments[body][k]).node);
+    energies.push_back((kinetic[body] - Value{graph, e.link_kinetic[body]}).node);
+  }
+  positions.holds = check(moments);
+  velocities.holds = check(energies);
+  far.sayLongOnes();
+  fast.sayLongOnes();
+  return {positions, velocities};
+}
+
+/// @param is_short  whether M_ij is: no symbol is looked for in others
+Step christoffelStep(Equations& e, ClosedAlgebra* algebra, const std::string& at,
+                     const Check& check, const std::function<bool(int, int)>& is_short) {
+  Step step{"Christoffel symbols",
+            kChristoffelSentence,
+            {},
+            "c_i = sum of Gamma_ijk qd_j qd_k" + at,
+            false,
+            "c"};
+  const int n = e.dof();
+  Graph* graph = &e.graph;
+  const std::vector<Node> symbols = christoffelSymbols(e);
+  ShortOnes all(algebra, &step);
+  std::vector<Node> residuals;
+  for (int i = 0; i < n; ++i) {
+    Value c{graph, graph->negate(e.c[static_cast<std::size_t>(i)])};
+    for (int j = 0; j < n; ++j)
+      for (int k = j; k < n; ++k) {
+        const Value gamma{graph, symbols[static_cast<std::size_t>((i * n + j) * n + k)]};
+        all.add(christoffelName(i, j, k), gamma.node,
+                e.graph.isZero(gamma.node) || (is_short(i, j) && is_short(i, k) && is_short(j, k)));
+        c += constant(graph, j == k ? 1 : 2) * gamma * input(graph, Input::kVelocity, j) *
+             input(graph, Input::kVelocity, k);
+      }
+    residuals.push_back(c.node);
+  }
+  step.holds = check(residuals);
+  all.sayLongOnes();
+  return step;
 }
 
 /// M as a matrix of names and zeros, where that is narrow enough to be read; none: it is not.
@@ -253,68 +359,114 @@ std::optional<StepEquation> namedMatrix(const Equations& e, const std::vector<Re
 
 }  // namespace
 
-std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
+std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism,
+                               const Options& options, int points) {
   const int n = e.dof();
   const std::string at = " at " + std::to_string(points) + " random rational points";
-  const bool loaded = isLoaded(e);
-  scene::Work work("checks of the steps at rational points", loaded ? 8 : 7, 3);
-  const auto check = [&](const std::vector<Node>& residuals) {
+  const bool loaded = isLoaded(e), quasi = !e.quasi.empty(), is_plain = !quasi && !e.hasFollowers(),
+             listed = is_plain && n <= kMostJointsListed;
+  scene::Work work("checks of the steps at rational points", (loaded ? 8 : 7) + (listed ? 3 : 0),
+                   3);
+  const Check check = [&](const std::vector<Node>& residuals) {
     const bool holds = vanish(e, residuals, mechanism, points);
     work.done();
     return holds;
   };
+  nameCompositeBodies(mechanism, options, e);
+  const std::vector<int> link_of = linksOfRates(mechanism, options, e);
+  std::optional<LinkMotions> motions;
+  if (listed) motions = linkMotions(mechanism, options, e);
+  std::optional<ClosedAlgebra> algebra;
+  if (is_plain) algebra.emplace(e);
+  ClosedAlgebra* const closing = algebra ? &*algebra : nullptr;
+
   const Residuals r = residualsOf(e);
-  const bool quasi = !e.quasi.empty();
   std::vector<Step> steps = quasiSteps(e, points, check);
-  const std::size_t base = steps.size();
-  const auto add = [&](const char* name, const char* sentence, const std::string& what,
+  const auto add = [&](const char* name, const std::string& sentence, const std::string& what,
                        const std::vector<Node>& residuals, const char* quantity = "") {
     steps.push_back({name, sentence, {}, what + at, check(residuals), quantity});
+    return steps.size() - 1;
   };
-  add("kinetic energy T",
+  std::vector<Result> results;
+  const auto turns = [&e](int i) { return e.revolute[static_cast<std::size_t>(i)]; };
+  const auto moment = [&](int i) { return turns(i) ? kMoment : kForce; };
+  const auto rate = [&](int i) { return turns(i) ? kTurning : kVelocity; };
+  const auto linkOf = [&link_of](int i) { return link_of[static_cast<std::size_t>(i)]; };
+  const auto ofJoints = [&](const std::string& letter, const std::vector<Node>& nodes,
+                            std::size_t step, bool is_momentum) {
+    for (int i = 0; i < n; ++i)
+      results.push_back({numbered(letter, i), nodes[static_cast<std::size_t>(i)], step, linkOf(i),
+                         is_momentum ? moment(i) - kTurning : moment(i)});
+  };
+  const std::size_t first = steps.size();
+  if (listed) steps.resize(first + 2);  // positions and velocities: when it is known what is short
+  const std::size_t shares = add(
+      "kinetic energies of the links",
       "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
       "them half of mass times velocity squared.",
       "T = qd' M qd / 2", {r.kinetic});
-  add("potential energy V", "Minus gravity times the first moment of mass, and the springs.",
-      "dV/dq is that of the links' shares", r.gravity);
-  add("momentum p", "p_i = dT/dqd_i.", "p = M qd", r.momentum);
-  add("mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
-      "M qd is the momentum of T as a sum over links", r.momentum, "M");
-  add("Coriolis and centrifugal forces c",
-      quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
-            : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
-      quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
-            : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq",
-      r.force, "c");
-  add("gravity and springs g", quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
-      "equals the derivative of the links' shares", r.gravity, "g");
-  if (loaded) add("loads Q", loadsSentence(e), kLoadsCheck, rateSlopes(e));
+  const std::size_t T =
+      add("kinetic energy T", "The sum over the links.", "dT/dqd = M qd", r.momentum);
+  const std::size_t V =
+      add("potential energy V", "Minus gravity times the first moment of mass, and the springs.",
+          "dV/dq is that of the links' shares", r.gravity);
+  const std::size_t p = add("momenta p", "p_i = dT/dqd_i.", "p = M qd", r.momentum);
+  const std::size_t M =
+      add("mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
+          "M qd is the momentum of T as a sum over links", r.momentum, "M");
+  const std::size_t Gamma = steps.size();
+  if (listed) steps.emplace_back();
+  const std::size_t c = add("Coriolis and centrifugal forces c",
+                            quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
+                                  : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
+                            quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
+                                  : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq",
+                            r.force, "c");
+  const std::size_t g = add("gravity and springs g", quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
+                            "equals the derivative of the links' shares", r.gravity, "g");
+  const std::size_t Q = loaded ? add("loads Q", loadsSentence(e), kLoadsCheck, rateSlopes(e)) : 0;
   add("equations of motion",
       quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
             : "Lagrange's equations.",
       "power: qd' (M qdd + c + g) = d(T + V)/dt", {r.power});
 
-  std::vector<Result> results;
   for (std::size_t k = 0; k < e.links.size(); ++k)
-    results.push_back({"T_" + e.links[k], e.link_kinetic[k], base});
-  results.push_back({"T", e.kinetic, base});
-  results.push_back({"V", e.potential, base + 1});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], base + 2});
+    results.push_back({"T_" + e.links[k], e.link_kinetic[k], shares, static_cast<int>(k), kMoment});
+  const auto of_links = static_cast<long>(results.size());
+  results.push_back({"T", e.kinetic, T, -1, kMoment});
+  results.push_back({"V", e.potential, V, -1, kMoment});
+  ofJoints("p", e.p, p, true);
   for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], base + 4});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
-  for (int i = 0; loaded && i < n; ++i) results.push_back({numbered("Q", i), e.Q[i], base + 6});
-  closeShortOnes(e, &results);
-  splitKinetic(e.links.size(), &results);
-  addLines(e.graph, results, &steps);
-  if (n > 1 && n <= 12)
-    if (const auto matrix = namedMatrix(e, results)) steps[base + 3].equations.push_back(*matrix);
+    for (int j = i; j < n; ++j)
+      results.push_back({numbered("M", i, j), e.M[i][j], M, std::max(linkOf(i), linkOf(j)),
+                         moment(i) - kTurning - rate(j)});
+  ofJoints("c", e.c, c, false);
+  ofJoints("g", e.g, g, false);
+  if (loaded) ofJoints("Q", e.Q, Q, false);
+  closeShortOnes(e, closing, &results);
+  if (listed) {
+    std::set<std::string> in_velocities;
+    const std::vector<Step> motion = motionSteps(e, *motions, closing, at, check, &in_velocities);
+    std::copy(motion.begin(), motion.end(), steps.begin() + static_cast<long>(first));
+    for (long k = 0; k < of_links; ++k)
+      if (Result& share = results[static_cast<std::size_t>(k)]; !share.closed)
+        share.closed = kineticByNames(*motions, static_cast<int>(k), closing, in_velocities);
+  }
+  sumOfShares({results.begin(), results.begin() + of_links},
+              &results[static_cast<std::size_t>(of_links)]);
+  addLines(e, mechanism, results, &steps);
+  if (n > 1 && n <= kMostJointsListed)
+    if (const auto matrix = namedMatrix(e, results)) steps[M].equations.push_back(*matrix);
   std::map<std::string, Formula> shown;
   for (const Result& r : results) shown[r.name] = r.closed ? *r.closed : Formula::ofSymbol(r.name);
   for (int i = 0; i < n; ++i)
     steps.back().equations.push_back(
         equationOfMotion(e, i, [&shown](const std::string& name, Node) { return shown.at(name); }));
+  if (listed)
+    steps[Gamma] = christoffelStep(e, closing, at, check, [&](int i, int j) {
+      return shown.at(numbered("M", std::min(i, j), std::max(i, j))).symbol !=
+             numbered("M", std::min(i, j), std::max(i, j));
+    });
   return steps;
 }
 

@@ -55,13 +55,36 @@ std::vector<Node> positionGradient(Equations& e, Node f) {
   return result;
 }
 
+namespace {
+
+/// (of_ij_by_k + of_ik_by_j - of_jk_by_i) / 2
+Node christoffel(Graph& graph, Node of_ij_by_k, Node of_ik_by_j, Node of_jk_by_i) {
+  return graph.multiply(graph.constant(Rational(1, 2)),
+                        graph.subtract(graph.add(of_ij_by_k, of_ik_by_j), of_jk_by_i));
+}
+
+}  // namespace
+
 Node christoffelSymbol(Equations& equations, int i, int j, int k) {
   const auto slope = [&equations](int row, int column, int by) {
     return positionGradient(equations, equations.M[row][column])[by];
   };
-  Graph& graph = equations.graph;
-  return graph.multiply(graph.constant(Rational(1, 2)),
-                        graph.subtract(graph.add(slope(i, j, k), slope(i, k, j)), slope(j, k, i)));
+  return christoffel(equations.graph, slope(i, j, k), slope(i, k, j), slope(j, k, i));
+}
+
+std::vector<Node> christoffelSymbols(Equations& e) {
+  const auto n = static_cast<std::size_t>(e.dof());
+  std::vector<std::vector<Node>> slopes(n * n);  // of M_ij
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i; j < n; ++j)
+      slopes[i * n + j] = slopes[j * n + i] = positionGradient(e, e.M[i][j]);
+  std::vector<Node> symbols;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t k = 0; k < n; ++k)
+        symbols.push_back(
+            christoffel(e.graph, slopes[i * n + j][k], slopes[i * n + k][j], slopes[j * n + k][i]));
+  return symbols;
 }
 
 Direction positionsAlong(Equations& e, const std::vector<Node>& rates) {

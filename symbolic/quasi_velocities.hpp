@@ -27,6 +27,8 @@ std::vector<Node> positionGradient(Equations& equations, Node f);
 /// Gamma_ijk = (X_k M_ij + X_j M_ik - X_i M_jk) / 2: the Christoffel symbol of the first kind of M,
 /// where rates are derivatives of positions.
 Node christoffelSymbol(Equations& equations, int i, int j, int k);
+/// All of them, Gamma_ijk at (i n + j) n + k.
+std::vector<Node> christoffelSymbols(Equations& equations);
 
 /// The direction in which positions move at these rates: sum of X_i rates_i.
 Direction positionsAlong(Equations& equations, const std::vector<Node>& rates);

@@ -555,6 +555,43 @@ std::vector<Sides> equationsIn(const std::string& document, Style style) {
   return all;
 }
 
+/// What follows "with" in a document: name, value and unit of each parameter.
+struct Given {
+  std::string name, value, unit;
+};
+std::vector<Given> parametersIn(const std::string& document, Style style) {
+  const bool latex = style == Style::kLatex, html = style == Style::kMathml;
+  const std::string begin = latex  ? "{\\small with "
+                            : html ? "<p class=\"values\">with "
+                                   : "\n   with ",
+                    end = latex  ? ".}\n"
+                          : html ? "</p>"
+                                 : "\n",
+                    equals = html ? "<mo>=</mo>" : " = ";
+  std::vector<Given> all;
+  for (std::size_t at = 0; (at = document.find(begin, at)) != std::string::npos;) {
+    at += begin.size();
+    std::string rest = document.substr(at, document.find(end, at) - at) + ", ";
+    for (std::size_t comma; (comma = rest.find(", ")) != std::string::npos;
+         rest.erase(0, comma + 2)) {
+      std::string one = rest.substr(0, comma), unit;
+      const std::string before_unit = latex ? "\\,\\mathrm{" : html ? "</mrow></math>" : "";
+      if (latex) one = one.substr(1, one.size() - 2);
+      if (html) one = one.substr(std::string("<math><mrow>").size());
+      const std::size_t sign = one.find(equals);
+      if (sign == std::string::npos) throw std::runtime_error("no value: '" + one + "'");
+      std::string value = one.substr(sign + equals.size());
+      const std::size_t ends = before_unit.empty() ? value.find(' ') : value.find(before_unit);
+      if (ends != std::string::npos) {
+        unit = value.substr(ends + std::max<std::size_t>(before_unit.size(), 1));
+        value.erase(ends);
+      }
+      all.push_back({one.substr(0, sign), value, unit});
+    }
+  }
+  return all;
+}
+
 /// The entries of a printed matrix, row by row.
 std::vector<std::string> cellsOf(const std::string& matrix, Style style) {
   std::vector<std::string> cells;
@@ -623,6 +660,25 @@ class Point {
     for (const Program::Load& load : program.loads)
       if (load.input == Input::kRotation)
         vocabulary_.define(spelled(Input::kRotation, load.joint), run.slot(load.slot));
+  }
+
+  /// What a document says of each parameter is its value in the scene.
+  void checkParameters(const std::string& document) {
+    const scene::ParameterValues values = derivation_.mechanism.parameterValues();
+    const Residue pi = draw_.number("pi");
+    vocabulary_.define(printName("pi", style_), pi);
+    std::map<std::string, scene::Exact> spelled;
+    for (const auto& [name, value] : values) spelled[printName(name, style_)] = value;
+    std::size_t shown = 0, said = 0;
+    for (const Step& step : derivation_.steps) shown += step.parameters.size();
+    for (const Given& given : parametersIn(document, style_)) {
+      ++said;
+      const auto at = spelled.find(given.name);
+      if (at == spelled.end() || read(given.value) != Residue::of(at->second.rational) +
+                                                          Residue::of(at->second.pi_multiple) * pi)
+        throw std::runtime_error(given.name + " = " + given.value + " is no value of the scene");
+    }
+    if (said != shown) throw std::runtime_error("other parameters than the derivation has");
   }
 
   /// In the order of the steps' equations, left before right, before the entries of a matrix.
@@ -698,6 +754,8 @@ ReadBack readBack(const Derivation& derivation, const std::string& document, Sty
           }
         }
       }
+      reading = "parameters";
+      point.checkParameters(document);
       if (next != printed.size()) throw std::runtime_error("more equations than were derived");
     } catch (const std::runtime_error& error) {
       result.problem = reading + ": " + error.what();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -38,6 +39,34 @@ void addSymbols(const Formula& f, std::set<std::string>* names) {
   for (const Formula& operand : f.operands) addSymbols(operand, names);
 }
 
+/// Headings say what is left of their groups, before the first line that is left.
+void mendHeadings(const Step& whole, std::vector<StepEquation>* kept) {
+  const auto isKept = [kept](const std::string& name) {
+    return std::any_of(kept->begin(), kept->end(),
+                       [&](const StepEquation& e) { return e.left.symbol == name; });
+  };
+  std::optional<LineGroup> heading;
+  std::map<std::string, LineGroup> before;  // the line of this name
+  for (const StepEquation& e : whole.equations) {
+    if (e.heading) heading = e.heading;
+    if (!heading || e.left_value || !isKept(e.left.symbol)) continue;
+    for (auto kind = heading->kinds.begin(); kind != heading->kinds.end();) {
+      auto& names = kind->names;
+      names.erase(std::remove_if(names.begin(), names.end(),
+                                 [&](const std::string& name) { return !isKept(name); }),
+                  names.end());
+      kind = names.empty() ? heading->kinds.erase(kind) : kind + 1;
+    }
+    before[e.left.symbol] = *heading;
+    heading.reset();
+  }
+  for (StepEquation& e : *kept) {
+    e.heading.reset();
+    if (const auto at = before.find(e.left.symbol); at != before.end() && !e.left_value)
+      e.heading = at->second;
+  }
+}
+
 /// Keeps what is wanted, and what its letters stand for: that is written before it.
 template <typename Wanted>
 Derivation keep(Derivation derivation, const Wanted& wanted) {
@@ -55,6 +84,7 @@ Derivation keep(Derivation derivation, const Wanted& wanted) {
       equations.push_back(equation);
     }
     std::reverse(equations.begin(), equations.end());
+    mendHeadings(step, &equations);
     step.equations = std::move(equations);
     step.zeros.erase(std::remove_if(step.zeros.begin(), step.zeros.end(),
                                     [&](const std::string& name) { return !wanted(step, name); }),
@@ -63,6 +93,7 @@ Derivation keep(Derivation derivation, const Wanted& wanted) {
   }
   std::reverse(kept.begin(), kept.end());
   derivation.steps = std::move(kept);
+  placeParameters(&derivation);
   return derivation;
 }
 
@@ -109,6 +140,41 @@ std::vector<int> slotsOfRates(const scene::Mechanism& mechanism) {
     slot += static_cast<int>(scene::positionSlots(link.joint.kind).size());
   }
   return slots;
+}
+
+/// The positions that an angle is the sum of, each as often as it stands there, those that are
+/// taken off last; empty: it is none, or one position alone.
+std::optional<std::vector<int>> summands(const Formula& angle) {
+  std::vector<int> plus, minus;
+  const std::vector<Formula> one{angle};
+  for (const Formula& given : angle.kind == Formula::Kind::kSum ? angle.operands : one) {
+    const bool negative = given.kind == Formula::Kind::kNegate;
+    const Formula* term = negative ? &given.operands.front() : &given;
+    Rational times = 1;
+    if (term->kind == Formula::Kind::kProduct && term->operands.size() == 2 &&
+        term->operands[0].kind == Formula::Kind::kNumber) {
+      times = term->operands[0].number;
+      term = &term->operands[1];
+    }
+    if (term->kind != Formula::Kind::kInput || term->input != Input::kPosition || times > 9 ||
+        denominator(times) != 1)
+      return std::nullopt;
+    for (Rational k = 0; k < times; k += 1) (negative ? minus : plus).push_back(term->joint);
+  }
+  for (const int joint : minus) plus.push_back(-1 - joint);
+  return plus.size() < 2 ? std::nullopt : std::optional(plus);
+}
+
+/// 12 of q1 + q2, 2m4 of q2 - q4, 9_10 of q9 + q10.
+std::string digitsOf(const std::vector<int>& joints) {
+  const bool wide =
+      std::any_of(joints.begin(), joints.end(), [](int joint) { return joint > 8 || joint < -9; });
+  std::string text;
+  for (const int joint : joints) {
+    if (!text.empty() && (joint < 0 || wide)) text += joint < 0 ? "m" : "_";
+    text += std::to_string(joint < 0 ? -joint : joint + 1);
+  }
+  return text;
 }
 
 /// Letters that mean something else, in both spellings in which two could be taken for one.
@@ -175,6 +241,33 @@ std::vector<std::string> positionNames(
   return out;
 }
 
+/// Writes cosines and sines of sums by their shorthand, and remembers which.
+class Shorthand {
+ public:
+  explicit Shorthand(const Derivation& d) : taken_(d) {}
+
+  void apply(Formula* f) {
+    for (Formula& operand : f->operands) apply(&operand);
+    if (f->kind != Formula::Kind::kCos && f->kind != Formula::Kind::kSin) return;
+    const auto joints = summands(f->operands.front());
+    if (!joints) return;
+    const std::string name = (f->kind == Formula::Kind::kCos ? "c" : "s") + digitsOf(*joints);
+    if (!taken_.by(name).empty()) return;
+    legend_.emplace(std::pair(*joints, name), *f);
+    *f = Formula::ofSymbol(name);
+  }
+  std::vector<StepEquation> legend() const {
+    std::vector<StepEquation> out;
+    for (const auto& [key, angle] : legend_)
+      out.push_back({{Formula::ofSymbol(key.second), angle}, {}, {}});
+    return out;
+  }
+
+ private:
+  Taken taken_;
+  std::map<std::pair<std::vector<int>, std::string>, Formula> legend_;
+};
+
 }  // namespace
 
 Derivation only(const Derivation& derivation, const std::vector<std::string>& names) {
@@ -232,6 +325,21 @@ Derivation renamed(const Derivation& derivation,
     }
   if (!out.steps.empty()) out.steps.front().sentence += " Here " + sentence + ".";
   return out;
+}
+
+Derivation withShorthand(Derivation derivation) {
+  Shorthand shorthand(derivation);
+  for (Step& step : derivation.steps)
+    for (StepEquation& e : step.equations) {
+      shorthand.apply(&e.left);
+      shorthand.apply(&e.right);
+    }
+  const std::vector<StepEquation> legend = shorthand.legend();
+  if (legend.empty()) return derivation;
+  derivation.steps.insert(
+      derivation.steps.begin(),
+      {"shorthand", "Cosines and sines of sums of positions have short names.", legend, "", true});
+  return derivation;
 }
 
 }  // namespace dynwitness::symbolic

@@ -28,4 +28,10 @@ Derivation onlyQuantity(const Derivation& derivation, const std::string& quantit
 Derivation renamed(const Derivation& derivation,
                    const std::vector<std::pair<std::string, std::string>>& names);
 
+/** Cosines and sines of sums of positions under short names: c12 is cos(q1 + q2), s2m4
+    sin(q2 - q4), c22 cos(2 q2). The first step says which there are. A name that means something
+    else (the force c12 of a twelfth joint, a parameter) is left to that, and the angle written
+    out. */
+Derivation withShorthand(Derivation derivation);
+
 }  // namespace dynwitness::symbolic

@@ -34,7 +34,7 @@ struct DeriveArguments {
   GivenScene scene;
   std::string output, format = "text", point, scalar = "double", parameters = "folded", beside;
   std::vector<std::string> quantities = {"all"}, only, substitutions, names;
-  bool operations = false, proof = false, linearized = false, no_checks = false;
+  bool operations = false, proof = false, linearized = false, no_checks = false, shorthand = false;
 
   bool isAll() const { return quantities == std::vector<std::string>{"all"}; }
   bool isProgram() const { return format == "c" || format == "python" || format == "sympy"; }
@@ -50,12 +50,14 @@ struct DeriveArguments {
            : !only.empty()          ? "--only"
            : !beside.empty()        ? "--beside"
            : no_checks              ? "--no-checks"
+           : shorthand              ? "--shorthand"
            : !substitutions.empty() ? "--substitute"
            : !names.empty()         ? "--rename"
                                     : "";
   }
   ShownDerivation shown() const {
-    return {format, quantities, only, substitutions, names, beside, linearized, proof, !no_checks};
+    return {format, quantities, only,  substitutions, names,
+            beside, linearized, proof, !no_checks,    shorthand};
   }
   /// What is asked that takes the inverse of M; "": nothing.
   std::string solved() const {
@@ -352,6 +354,12 @@ Run addDerive(CLI::App* command) {
                    "up to three joints")
       ->check(oneOf({"newton_euler"}))
       ->excludes("--operations", "--quantity");
+  command
+      ->add_flag(
+          "--shorthand", arguments->shorthand,
+          "Short names for cosines and sines of sums: c12 = cos(q1 + q2), s2m4 = sin(q2 - q4), "
+          "with a legend")
+      ->excludes("--operations");
   command
       ->add_flag("--no-checks", arguments->no_checks,
                  "What was checked is not printed; it is checked all the same, and what fails is "

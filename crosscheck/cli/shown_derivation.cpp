@@ -25,6 +25,9 @@ summary { cursor: pointer }
 .equation { display: flex; align-items: center; gap: .6rem }
 .equation math { font-size: 1.1em; overflow-x: auto; overflow-y: hidden; padding: .2rem 0; flex: 1 }
 .equation button { font-size: .7rem; opacity: .6 }
+.lines { display: flex; flex-wrap: wrap; column-gap: 1.6rem; font-size: .92em }
+.lines .equation { flex: 0 1 auto; min-width: 0 } .group, .values { font-size: .92em }
+.group { margin: .8rem 0 .2rem }
 .holds, .fails { font-size: .9rem } .fails { font-weight: bold }
 .columns { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 2rem }
 @media (max-width: 60rem) { .columns { display: block } }
@@ -54,7 +57,7 @@ std::string latexDocument(const std::string& title, const std::string& body) {
   return fmt::format(
       "\\documentclass{{article}}\n"
       "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\n"
-      "\\usepackage[a4paper, margin=25mm]{{geometry}}\n"
+      "\\usepackage[a4paper, margin=20mm]{{geometry}}\n"
       "% an equation is a paragraph, so that long ones are broken at their signs\n"
       "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
       "\\binoppenalty=100 \\relpenalty=50 \\allowdisplaybreaks\n"
@@ -163,6 +166,7 @@ DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& 
   explainZeros(changed, &shown);
   out.holds = out.holds && shown.holds();
   if (!names.empty()) shown = symbolic::renamed(shown, names);
+  if (asked.shorthand) shown = symbolic::withShorthand(shown);
   if (!asked.substitutions.empty() && !shown.steps.empty())
     shown.steps.front().sentence +=
         fmt::format(" Put in: {}.", fmt::join(asked.substitutions, ", "));

@@ -17,7 +17,7 @@ struct ShownDerivation {
   std::vector<std::string> substitutions;      ///< "l=1"
   std::vector<std::string> names;              ///< "q1=theta"
   std::string beside;                          ///< newton_euler; empty: nothing
-  bool linearized = false, proof = false, checks = true;
+  bool linearized = false, proof = false, checks = true, shorthand = false;
 };
 
 struct DerivationText {

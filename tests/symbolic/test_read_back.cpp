@@ -92,6 +92,28 @@ BOOST_AUTO_TEST_CASE(other_faults_of_printers_are_noticed) {
   BOOST_TEST(problem(Style::kMathml, "<mn>3</mn>", "<mn>4</mn>") != "");
 }
 
+BOOST_AUTO_TEST_CASE(what_is_said_of_parameters_is_read) {
+  const Derivation d = derivation(pendulumWith("m1 = 2.5\nm2 = \"m1/3\"", "m1 + m2"));
+  const std::string said[] = {
+      "with m1 = 2.5 kg, m2 = 5/6 kg",
+      "with $m_{1} = 2.5\\,\\mathrm{kg}$, $m_{2} = \\tfrac{5}{6}\\,\\mathrm{kg}$",
+      "<mn>2.5</mn></mrow></math> kg, "};
+  for (std::size_t k = 0; k < kStyles.size(); ++k) {
+    const std::string text = print(d, kStyles[k]);
+    BOOST_TEST(readBack(d, text, kStyles[k]).problem == "");
+    BOOST_TEST(text.find(said[k]) != std::string::npos, text);
+    std::string wrong = text;
+    wrong.replace(wrong.find("2.5"), 3, "2.6");
+    BOOST_TEST(readBack(d, wrong, kStyles[k]).problem.find("no value of the scene") !=
+               std::string::npos);
+  }
+  std::string silent = print(d, Style::kText);
+  silent.erase(silent.find("   with m1"),
+               silent.find('\n', silent.find("with m1")) - silent.find("   with m1"));
+  BOOST_TEST(readBack(d, silent, Style::kText).problem.find("other parameters") !=
+             std::string::npos);
+}
+
 BOOST_AUTO_TEST_CASE(letters_that_look_alike_are_told) {
   const Derivation d = derivation(pendulumWith("m1 = 1\nm_1 = 2", "m1*m_1"));
   BOOST_TEST(readBack(d, print(d, Style::kText), Style::kText).problem == "");

@@ -165,3 +165,45 @@ BOOST_AUTO_TEST_CASE(no_checks_are_printed_unless_they_fail) {
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(shorthand)
+
+BOOST_AUTO_TEST_CASE(sums_of_positions_have_short_names_and_a_legend) {
+  const auto pendulum = linesOf(withShorthand(derived("double_pendulum")));
+  BOOST_TEST(pendulum.at("g2") == "1/2*m2*g*l2*s12");
+  BOOST_TEST(pendulum.at("s12") == "sin(q1 + q2)");
+  BOOST_TEST(pendulum.at("M12") == "1/3*m2*l2^2 + 1/2*m2*l1*l2*cos(q2)");
+  const auto scara = linesOf(withShorthand(derived("scara")));
+  BOOST_TEST(scara.at("c2m4") == "cos(q2 - q4)");
+  BOOST_TEST(scara.at("x_flange") == "a1*cos(q1) + a2*c12 + 0.03*c12m4");
+  const auto renamed_ones =
+      linesOf(withShorthand(renamed(derived("double_pendulum"), {{"q1", "theta"}})));
+  BOOST_TEST(renamed_ones.at("s12") == "sin(theta + q2)");
+  // nothing to shorten
+  BOOST_TEST(linesOf(withShorthand(derived("simple_pendulum"))) ==
+             linesOf(derived("simple_pendulum")));
+}
+
+BOOST_AUTO_TEST_CASE(a_name_that_means_something_else_is_left_to_it) {
+  scene::Mechanism m = scene::findScene("double_pendulum").mechanism;
+  m.parameters.push_back({"s12", scene::Number(1), {}});
+  const auto lines = linesOf(withShorthand(derivation(m)));
+  BOOST_TEST(lines.count("s12") == 0u);
+  BOOST_TEST(lines.at("g2") == "1/2*m2*g*l2*sin(q1 + q2)");
+  BOOST_TEST(lines.count("c12") == 1u);
+}
+
+BOOST_AUTO_TEST_CASE(shorthand_is_read_back_with_its_legend) {
+  for (const char* name : {"double_pendulum", "planar_3r", "scara", "puma_560"}) {
+    const Derivation d = withShorthand(derived(name));
+    for (const Style style : {Style::kText, Style::kLatex, Style::kMathml})
+      BOOST_TEST(readBack(d, print(d, style), style).problem == "");
+  }
+  const Derivation d = withShorthand(derived("double_pendulum"));
+  std::string text = print(d, Style::kText);
+  const std::string right = "s12 = sin(q1 + q2)";
+  text.replace(text.find(right), right.size(), "s12 = sin(q1 - q2)");
+  BOOST_TEST(readBack(d, text, Style::kText).problem != "");
+}
+
+BOOST_AUTO_TEST_SUITE_END()

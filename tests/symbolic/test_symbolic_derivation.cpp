@@ -19,6 +19,7 @@
 #include "scene/scene.hpp"
 #include "symbolic/closed_form.hpp"
 #include "symbolic/derivation.hpp"
+#include "symbolic/dimensions.hpp"
 #include "symbolic/exact_points.hpp"
 
 using namespace dynwitness;
@@ -304,7 +305,7 @@ BOOST_AUTO_TEST_CASE(a_large_mechanism_is_derived_as_a_program) {
   BOOST_TEST(!d.closed_form);
   BOOST_TEST(d.holds());
   // every name on a right side was defined on an earlier left side
-  const std::regex name("\\b(t[0-9]+|omega[0-9]+[xyz]|v[0-9]+[xyz])\\b");
+  const std::regex name("\\b(t[0-9]+|omega[0-9]+[xyz]|v[0-9]+[xyz]|[sI]c[0-9]+[xyz]+)\\b");
   std::set<std::string> defined;
   for (const Step& step : d.steps) {
     for (const Equation& e : step.equations) {
@@ -315,6 +316,72 @@ BOOST_AUTO_TEST_CASE(a_large_mechanism_is_derived_as_a_program) {
     }
   }
   BOOST_TEST(defined.count("M11") + defined.count("c1") + defined.count("g2") == 3u);
+}
+
+/// By hand, as the books print them.
+BOOST_AUTO_TEST_CASE(four_joints_have_the_steps_of_the_textbook) {
+  const Derivation d = derivation(scene::findScene("scara").mechanism);
+  BOOST_TEST(d.holds());
+  std::map<std::string, std::string> said;
+  for (const Step& step : d.steps)
+    for (const StepEquation& e : step.equations) {
+      BOOST_TEST((!e.isLine()), print(e, Style::kText) << " in " << step.name);
+      said[print(e.left, Style::kText)] = print(e.right, Style::kText);
+    }
+  BOOST_TEST(said["x_quill"] == "a1*cos(q1) + a2*cos(q1 + q2)");
+  BOOST_TEST(said["v_z_flange"] == "-qd3");
+  BOOST_TEST(said["T_flange"] ==
+             "1/2*m4*(v_x_flange^2 + v_y_flange^2 + v_z_flange^2) + 1/2*I4*omega_z_flange^2");
+  BOOST_TEST(said["T"] == "T_link_1 + T_link_2 + T_quill + T_flange");
+  BOOST_TEST(said["Gamma214"] == "-0.03*m4*a2*sin(q4)");
+  BOOST_TEST(said.count("Gamma111") == 0u);
+}
+
+/// Lines are counted in what follows from T in J; by hand of some.
+BOOST_AUTO_TEST_CASE(every_line_says_what_it_is_and_its_unit) {
+  for (const char* name : {"kuka_iiwa_14", "puma_560", "stanford_arm"}) {
+    const Derivation d = derivation(scene::findScene(name).mechanism);
+    std::map<std::string, std::string> of;  // line -> noun [unit]
+    std::size_t lines = 0;
+    for (const Step& step : d.steps)
+      for (const StepEquation& e : step.equations) {
+        lines += e.isLine() ? 1 : 0;
+        if (!e.heading) continue;
+        for (const LineGroup::Kind& kind : e.heading->kinds)
+          for (const std::string& line : kind.names) {
+            BOOST_TEST(!kind.noun.empty(), name << ": " << line);
+            of[line] = kind.noun + " [" + kind.unit + "]";
+          }
+      }
+    BOOST_TEST(lines > 50u);
+    BOOST_TEST(of.size() >= lines);
+    if (std::string(name) != "kuka_iiwa_14") continue;
+    BOOST_TEST(of["omega3y"] == "angular velocity [rad/s]");
+    BOOST_TEST(of["v3x"] == "velocity [m/s]");
+    BOOST_TEST(of["Ic5zz"] == "moment of inertia [kg m^2]");
+    BOOST_TEST(of["sc5z"] == "first moment of mass [kg m]");
+    // t1 = 0.2045*qd2, where the number is a length
+    BOOST_TEST(of["t1"] == "velocity [m/s]");
+  }
+}
+
+BOOST_AUTO_TEST_CASE(parameters_have_the_units_of_their_places) {
+  const auto unitsOf = [](const scene::Mechanism& m) {
+    std::map<std::string, std::string> units;
+    for (const auto& [name, unit] : parameterUnits(m)) units[name] = unit.text;
+    return units;
+  };
+  const auto scara = unitsOf(scene::findScene("scara").mechanism);
+  const std::map<std::string, std::string> by_hand = {
+      {"g", "m/s^2"},   {"m1", "kg"},     {"m2", "kg"},     {"m3", "kg"},
+      {"m4", "kg"},     {"a1", "m"},      {"a2", "m"},      {"h", "m"},
+      {"I1", "kg m^2"}, {"I2", "kg m^2"}, {"I4", "kg m^2"}, {"k3", "N/m"}};
+  BOOST_TEST((scara == by_hand));
+  // m/(1 + l) is no mass: two things follow of m, and of l
+  auto arm = unitsOf(spatialArm());
+  BOOST_TEST(arm["alpha"] == "rad");
+  BOOST_TEST(arm["k"] == "N m/rad");
+  BOOST_TEST(arm.count("l") + arm.count("m") == 0u);
 }
 
 BOOST_AUTO_TEST_CASE(a_step_that_fails_is_said_to_fail) {

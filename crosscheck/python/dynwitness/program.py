@@ -312,7 +312,7 @@ class Step(NamedTuple):
     name: str        # such as "mass matrix M"
     sentence: str    # what it is
     equations: list  # LaTeX
-    check: str       # what the program checked, and how that went
+    check: str       # what the program checked, and how that went; "" of a legend, or with --no-checks
 
     def _repr_latex_(self):
         return Maths({self.name: self}, self.name)._repr_latex_()
@@ -324,7 +324,7 @@ def derive(scene, *options):
         text = run("derive", files.scene(scene), *options, "--format", "latex")
     steps = {}
     for part in text.split(r"\paragraph{")[1:]:
-        words = re.match(r"\d+\. (.*?)} (.*?)\n.*Check: (.*?)}\n", part, re.S).groups()
+        words = re.match(r"\d+\. (.*?)} (.*?)\n(?:.*Check: (.*?)}\n)?", part, re.S).groups("")
         equations = re.findall(r"\$\\displaystyle (.*?)\$\n", part, re.S)
         name, sentence, check = (word.replace(r"\_", "_") for word in words)
         steps[name] = Step(name, sentence, equations, check)

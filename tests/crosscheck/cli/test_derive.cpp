@@ -48,6 +48,22 @@ BOOST_AUTO_TEST_CASE(one_line_in_three_notations) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(shorthand_and_parameters_in_three_notations) {
+  const Program program;
+  const std::string words = "scara --only M11,g --shorthand --format ";
+  const std::string text = proven(program, words + "text"),
+                    latex = proven(program, words + "latex"),
+                    html = proven(program, words + "html");
+  BOOST_TEST(has(text, "c2m4 = cos(q2 - q4)\n"), text);
+  BOOST_TEST(has(text, "0.06*m4*a1*c2m4"), text);
+  BOOST_TEST(has(text, "with m1 = 8 kg, m2 = 6 kg, m3 = 1.5 kg, m4 = 0.5 kg, a1 = 0.35 m"), text);
+  BOOST_TEST(has(latex, "$\\displaystyle c_{\\mathrm{2m4}} = \\cos(q_{2} - q_{4})$"), latex);
+  BOOST_TEST(has(latex, "$g = 9.81\\,\\mathrm{m/s^{2}}$"), latex);
+  BOOST_TEST(has(html, "<mn>9.81</mn></mrow></math> m/s&#xb2;"));
+  BOOST_TEST(has(html, "data-latex=\"c_{\\mathrm{2m4}} = "));
+  refuses(program, "derive scara --shorthand --format c", "allowed: --format text");
+}
+
 BOOST_AUTO_TEST_CASE(zeros_have_the_ledgers_reasons) {
   const Program program;
   const std::string scara = proven(program, "scara --only M,c,g");

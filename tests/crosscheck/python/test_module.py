@@ -83,6 +83,8 @@ def test_check_and_what_notebooks_show():
         assert part in html, part
     facts, picture = dw.show("scara")
     assert facts["degrees_of_freedom"] == 4 and picture._repr_svg_().startswith("<svg"), picture
+    short = dw.derive("double_pendulum", "--only", "g2", "--shorthand")
+    assert short["shorthand"].equations == [r"s_{12} = \sin(q_{1} + q_{2})"] and short["shorthand"].check == "", short
     steps = dw.derive("double_pendulum", "--only", "M12")
     assert list(steps) == ["mass matrix M"], list(steps)
     assert steps["mass matrix M"]._repr_latex_().startswith("$$") and "M_{12}" in steps["mass matrix M"]._repr_latex_()
