@@ -319,8 +319,9 @@ Run addCrosscheck(CLI::App* command) {
   auto arguments = std::make_shared<CrosscheckArguments>();
   command->footer(
       "Examples:\n"
-      "  dynwitness crosscheck puma_560\n"
-      "  dynwitness crosscheck my_arm.urdf --engine \"python3 my_arm.py\" -o report\n"
+      "  dynwitness crosscheck \"double pendulum\"\n"
+      "  dynwitness crosscheck my_arm.urdf puma_560 -o report\n"
+      "  dynwitness crosscheck simple_pendulum --engine \"python3 my_arm.py\"\n"
       "  dynwitness crosscheck --mechanisms 1000\n"
       "Exit status: 0 what can be compared was, and agrees; 1 a disagreement, or more than a "
       "tenth of the\n"

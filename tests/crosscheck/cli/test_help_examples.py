@@ -38,13 +38,15 @@ SLOW = {
     "dynwitness campaign merge nights -o result": "of a night",
     "dynwitness campaign nightly.toml --on slurm --shards 200 -o nights": "there is no Slurm here",
 }
-# a fault is what these are there to find
+# a difference is what these are there to find: a wrong formula; published digits that such steps do not reach
 FINDS = {
+    "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001",
     'dynwitness check double_pendulum --answer "M12 = m2*l1*l2*cos(q2)/2"',
 }
 
 URDF = "dynwitness write double_pendulum --format urdf --lossy -o my_arm.urdf"
-MJCF = "dynwitness write double_pendulum --format mjcf --lossy -o my_arm.xml"
+# (MuJoCo takes no rods, which have no inertia about themselves)
+MJCF = "dynwitness write franka_panda --format mjcf --lossy -o my_arm.xml"
 
 
 def states(name, positions, rates, rows=3):
