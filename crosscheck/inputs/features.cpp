@@ -554,7 +554,7 @@ const char* name(Feature feature) {
 }
 
 Treatment treatment(Command command, Feature feature) {
-  if (feature == Feature::kNotModelled) return {Kind::kTold, "not modelled by any witness"};
+  if (feature == Feature::kNotModelled) return {Kind::kTold, "not modelled"};
   for (const Rule& rule : rules())
     if (rule.command == command &&
         std::find(rule.features.begin(), rule.features.end(), feature) != rule.features.end())

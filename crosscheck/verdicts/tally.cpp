@@ -42,8 +42,10 @@ void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
                           const Eigen::MatrixXd& limit, double largest, const std::string& excuse) {
   ++result_.states;
   result_.largest = std::max(result_.largest, largest);
-  const double ulp = std::numeric_limits<double>::epsilon() *
-                     (largest > 0 && std::isfinite(largest) ? largest : 1.0);
+  // what is 0 in balls is as small as their precision, and its ulp no double
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  const double unit = std::isnormal(kEpsilon * largest) ? largest : 0.0;
+  const double ulp = kEpsilon * (unit > 0 ? unit : 1.0);
   std::string unbounded;  // the first entry without a limit
   for (Eigen::Index j = 0; j < difference.cols(); ++j) {
     for (Eigen::Index i = 0; i < difference.rows(); ++i) {
@@ -57,7 +59,7 @@ void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
       const double used = share(residual, limit(i, j));
       if (result_.worst_entry.empty() || used > result_.ratio) {
         result_.ratio = used;
-        largest_there_ = largest;
+        largest_there_ = unit;
         result_.worst = residual / ulp;
         result_.limit = limit(i, j) / ulp;
         result_.worst_state = state;

@@ -98,6 +98,16 @@ BOOST_AUTO_TEST_CASE(what_is_zero_within_rounding_has_a_unit) {
   BOOST_TEST(small.result().worst == 0x1p+41);  // 2^-60 / (2^-52 2^-49)
 }
 
+// what is 0 in balls of 2048 bits: an ulp of it is 0 in double, and no unit
+BOOST_AUTO_TEST_CASE(what_is_smaller_than_any_double_has_a_unit) {
+  Tally tiny = tallyOf("tau");
+  const double least = std::numeric_limits<double>::denorm_min();
+  tiny.addDifference(0, column(0, 0), column(least, least), least);
+  BOOST_TEST((tiny.result().unit == Unit::kAbsolute));
+  BOOST_TEST(tiny.result().worst == 0);
+  BOOST_TEST(tiny.result().limit == least);
+}
+
 BOOST_AUTO_TEST_CASE(a_zero_limit_asks_for_equality) {
   Tally equal = tallyOf("g"), different = tallyOf("g");
   equal.add(0, column(0, 0), column(0, 0), column(0, 0));
