@@ -276,7 +276,8 @@ BOOST_AUTO_TEST_CASE(a_file_of_sentences_is_refused_with_file_and_line) {
     text.replace(text.rfind(from), from.size(), to);
     return text;
   };
-  refused(a + "whi = \"w\"\n", "c.toml:15: statement: unknown key \"whi\", allowed: id, section");
+  refused(a + "whi = \"w\"\n",
+          "c.toml:15: statement: unknown key \"whi\" (did you mean why?), allowed: id, section");
   refused(a + "[[statment]]\n", "c.toml:15: file: unknown key \"statment\"");
   refused(with("why = \"w\"\n", ""), "c.toml:8: statement: has no why, allowed: a text");
   refused(with("\"w\"", "\" \""), "c.toml:13: statement: why: an empty string, allowed: a text");

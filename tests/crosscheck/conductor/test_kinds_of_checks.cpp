@@ -279,6 +279,7 @@ namespace {
 std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong,
                                            long* operations) {
   Inquiry inquiry = identityInquiry(scene.mechanism);
+  inquiry.ask_wanted = {};  // by ask() alone, which is spoiled here
   inquiry.ask = [&scene, wrong, operations, honest = inquiry.ask](
                     const FieldNumbers& number, const scene::State<PrimeField>& state) {
     if (PrimeField::isSized()) return honest(number, state);
