@@ -475,7 +475,8 @@ def refusals(work):
         assert done.returncode == 2 and reason in done.stderr, (words, done.stderr)
     assert not os.path.exists(os.path.join(work, "none"))
     said = derive("puma_560_friction", "--format", "c", "--quantity", "M").stdout
-    assert "friction (viscous, Coulomb; 0 at rest): in tau and qdd, not in M, c, g" in " ".join(said.split())
+    assert "friction (viscous, Coulomb; 0 at rest): in tau, qdd and their derivatives, not in M, c, g" in \
+        " ".join(said.split())
 
 
 def main():
