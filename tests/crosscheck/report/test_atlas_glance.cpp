@@ -57,21 +57,15 @@ std::string refusalOf(const std::string& text) {
   return "not refused";
 }
 
-int count(const std::string& text, const std::string& part) {
-  int found = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++found;
-  return found;
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(a_mark_stands_for_each_breakdown) {
   const std::string page = sectionOf(atlas().dump());
-  BOOST_TEST(count(page, "<title>") == 4);  // one is harmless, one has no place on the dial
-  BOOST_TEST(count(page, "<circle class=\"ours\"") == 1);
-  BOOST_TEST(count(page, "<circle class=\"others\"") == 1);
-  BOOST_TEST(count(page, "<rect class=\"ours\"") == 1);
-  BOOST_TEST(count(page, "<line class=\"theory\"") == 1);
+  BOOST_TEST(files::count(page, "<title>") == 4u);  // one is harmless, one has no place on the dial
+  BOOST_TEST(files::count(page, "<circle class=\"ours\"") == 1u);
+  BOOST_TEST(files::count(page, "<circle class=\"others\"") == 1u);
+  BOOST_TEST(files::count(page, "<rect class=\"ours\"") == 1u);
+  BOOST_TEST(files::count(page, "<line class=\"theory\"") == 1u);
   BOOST_TEST(files::contains(page, "cx=\"120.0\""));  // 1e6 of 1 to 1e12: the middle
   BOOST_TEST(!files::contains(page, "nan"));
 }

@@ -60,46 +60,37 @@ std::string refusalOf(const std::string& text) {
   return "not refused";
 }
 
-int count(const std::string& text, const std::string& part) {
-  int found = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++found;
-  return found;
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(a_front_has_a_mark_for_each_model_at_its_place) {
   const std::string page = sectionOf(front().dump());
-  BOOST_TEST(count(page, "<circle class=\"ours\"") == 3);
-  BOOST_TEST(count(page, "<rect class=\"others\"") == 3);
-  BOOST_TEST(has(page, "<title>60 operations, 0.8"));
-  BOOST_TEST(has(page, "own program: 100"));
+  BOOST_TEST(files::count(page, "<circle class=\"ours\"") == 3u);
+  BOOST_TEST(files::count(page, "<rect class=\"others\"") == 3u);
+  BOOST_TEST(files::contains(page, "<title>60 operations, 0.8"));
+  BOOST_TEST(files::contains(page, "own program: 100"));
   // 9.5 of 10 % of 514 px, the scene's own program 256 / 1.08 px above the axis
-  BOOST_TEST(has(page, "cx=\"544.3\""));
-  BOOST_TEST(has(page, "cx=\"56.0\" cy=\"53.0\""));
+  BOOST_TEST(files::contains(page, "cx=\"544.3\""));
+  BOOST_TEST(files::contains(page, "cx=\"56.0\" cy=\"53.0\""));
 }
 
 BOOST_AUTO_TEST_CASE(a_ladder_has_bars_in_proportion) {
   const std::string page = sectionOf(ladder().dump());
-  BOOST_TEST(count(page, "<tr><th scope=\"row\">") == 3);
-  BOOST_TEST(has(page, "width=\"75.0\""));  // 50 of 100 operations, of 150 px
-  BOOST_TEST(has(page, ">25 %</text>"));
-  BOOST_TEST(has(page, "+ rotors</th><td>–</td>"));
+  BOOST_TEST(files::count(page, "<tr><th scope=\"row\">") == 3u);
+  BOOST_TEST(files::contains(page, "width=\"75.0\""));  // 50 of 100 operations, of 150 px
+  BOOST_TEST(files::contains(page, ">25 %</text>"));
+  BOOST_TEST(files::contains(page, "+ rotors</th><td>–</td>"));
 }
 
 BOOST_AUTO_TEST_CASE(what_is_neither_is_refused) {
-  BOOST_TEST(has(refusalOf("{"), "expected JSON of `dynwitness reduce --front FOLDER`"));
+  BOOST_TEST(
+      files::contains(refusalOf("{"), "expected JSON of `dynwitness reduce --front FOLDER`"));
   Json other = front();
   other["scene"] = "leg";
-  BOOST_TEST(has(refusalOf(other.dump()), "of scene 'leg', allowed: arm"));
+  BOOST_TEST(files::contains(refusalOf(other.dump()), "of scene 'leg', allowed: arm"));
   Json single = front();
   single["models"] = {model(0.01, 60, 0.008)};
-  BOOST_TEST(has(refusalOf(single.dump()), "one model alone"));
+  BOOST_TEST(files::contains(refusalOf(single.dump()), "one model alone"));
   Json broken = ladder();
   broken["rungs"][0].erase("adds");
-  BOOST_TEST(has(refusalOf(broken.dump()), "adds"));
+  BOOST_TEST(files::contains(refusalOf(broken.dump()), "adds"));
 }

@@ -33,6 +33,7 @@
 namespace fs = std::filesystem;
 using namespace dynwitness::crosscheck;
 using dynwitness::files::contains;
+using dynwitness::files::count;
 using dynwitness::files::read;
 using dynwitness::files::TemporaryFolder;
 using dynwitness::scene::InputError;
@@ -200,12 +201,6 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
   return files;
 }
 
-int countOf(const std::string& text, const std::string& part) {
-  int n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
-  return n;
-}
-
 /// The first page and those of the scenes.
 std::string allPages(const fs::path& report) {
   std::string pages = read(report / "index.html");
@@ -326,7 +321,7 @@ BOOST_FIXTURE_TEST_CASE(charts_are_drawn_and_their_times_stay_out_of_page_and_js
   writeReport(sample(), environment(), path / "one", charts(1e3));
   writeReport(sample(), environment(), path / "two", charts(7e6));
   const auto one = contents(path / "one"), two = contents(path / "two");
-  BOOST_TEST(countOf(allPages(path / "one"), "<h2>Speed against accuracy</h2>") == 3);
+  BOOST_TEST(count(allPages(path / "one"), "<h2>Speed against accuracy</h2>") == 3u);
   for (const char* file :
        {"index.html", "scenes/pendulum/index.html", "report.json", "junit.xml", "contents.txt"})
     BOOST_TEST(one.at(file) == two.at(file), file);
@@ -393,7 +388,7 @@ BOOST_FIXTURE_TEST_CASE(two_scenes_of_one_name_get_two_pages, TemporaryFolder) {
   for (const std::string name : {"pendulum", "pendulum_2", "___up____down_"}) {
     const std::string own = "scenes/" + name + "/index.html";
     BOOST_TEST(contains(page, "href=\"" + own + "\""), name);
-    BOOST_TEST(countOf(read(path / "report" / own), "id=\"scene-" + name + "\"") == 1, name);
+    BOOST_TEST(count(read(path / "report" / own), "id=\"scene-" + name + "\"") == 1u, name);
     BOOST_TEST(contains(read(path / "report" / own), "href=\"../../index.html#scenes\""), name);
   }
   BOOST_TEST(!contains(page, "id=\"scene-"));
@@ -726,8 +721,8 @@ BOOST_AUTO_TEST_CASE(tree_pictures_are_well_formed_and_hold_every_link) {
   for (const SvgUse use : {SvgUse::kInPage, SvgUse::kFile}) {
     const std::string svg = treeSvg(scene, use);
     parseXml(svg);
-    BOOST_TEST(countOf(svg, "class=\"link") == 40);
-    BOOST_TEST(countOf(svg, "class=\"joint\"") == 39);
+    BOOST_TEST(count(svg, "class=\"link") == 40u);
+    BOOST_TEST(count(svg, "class=\"joint\"") == 39u);
     BOOST_TEST(contains(svg, "role=\"img\" aria-label=\"Tree of Pendulum: 40 links"));
   }
   scene.link_names.resize(kLargestTree + 1, "x");

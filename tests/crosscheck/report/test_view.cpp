@@ -86,13 +86,6 @@ std::vector<double> startOf(const View& view) {
   return q;
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size())
-    ++found;
-  return found;
-}
-
 /// The script itself, run by node with what the page gives it: by case, how far it is off at most.
 std::vector<double> worstOfScript(const std::vector<Case>& all) {
   const files::TemporaryFolder folder;
@@ -206,8 +199,8 @@ BOOST_AUTO_TEST_CASE(names_cannot_end_the_script_or_make_elements) {
       "<child link=\"&lt;/script&gt;&lt;img src=x&gt;\"/></joint></robot>",
       "r.urdf");
   const std::string page = showPage({scene}, viewOf(scene), "0");
-  BOOST_TEST(count(page, "<script") == 2u);
-  BOOST_TEST(count(page, "</script") == 2u);
+  BOOST_TEST(files::count(page, "<script") == 2u);
+  BOOST_TEST(files::count(page, "</script") == 2u);
   BOOST_TEST(!contains(page, "<img"));
   BOOST_TEST(!contains(page, "<b>&"));
 }
@@ -217,7 +210,7 @@ BOOST_AUTO_TEST_CASE(bodies_as_somebody_reads_them_are_drawn_beside_those_writte
   View view = viewOf(scene);
   const std::size_t written = view.bodies.size();
   view.bodies.push_back({1, "engine", 2, {0, 0, -0.5}, Matrix3d::Identity()});
-  BOOST_TEST(count(viewSvg(view), "class=\"body read\"") == 1u);
+  BOOST_TEST(files::count(viewSvg(view), "class=\"body read\"") == 1u);
   const Json json = Json::parse(viewJson(view));
   const Json& columns = json["bodies"]["columns"];
   const auto who = std::find(columns.begin(), columns.end(), "who") - columns.begin();
