@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/audit/truths.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/constrained_dynamics.hpp"
 
 namespace dynwitness::audit {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/audit/audit.hpp"
+#include "crosscheck/audit/products.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/dual.hpp"
