@@ -61,22 +61,25 @@ Constrained<T> denseConstrained(const Robot<T>& robot, const std::vector<LinkCon
 /// By recursive/constrained_dynamics.hpp.
 template <typename T>
 struct Swept : Constrained<T> {
-  Swept(const Robot<T>& robot, const std::vector<LinkConstraint<T>>& all) {
-    const recursive::Model<T> model = robot.model();
-    int m = 0;
-    for (const auto& held : all) m += static_cast<int>(held.A.cols());
-    recursive::Workspace<T> ws(model);
-    recursive::ConstraintWorkspace<T> cws(model, m);
-    this->qdd = robot.zeros();
-    recursive::constrainedForwardDynamics(model, robot.x, robot.qd, robot.tau, all, ws, cws,
-                                          this->qdd);
-    this->nu = cws.nu;
-    N = cws.N;
-    E = cws.E;
-  }
+  Swept(const Robot<T>& robot, const std::vector<LinkConstraint<T>>& all);
   MatrixX<T> N;
   std::vector<Eigen::Matrix<T, 6, Eigen::Dynamic>> E;  ///< what each link feels of unit forces
 };
+
+template <typename T>
+Swept<T>::Swept(const Robot<T>& robot, const std::vector<LinkConstraint<T>>& all) {
+  const recursive::Model<T> model = robot.model();
+  int m = 0;
+  for (const auto& held : all) m += static_cast<int>(held.A.cols());
+  recursive::Workspace<T> ws(model);
+  recursive::ConstraintWorkspace<T> cws(model, m);
+  this->qdd = robot.zeros();
+  recursive::constrainedForwardDynamics(model, robot.x, robot.qd, robot.tau, all, ws, cws,
+                                        this->qdd);
+  this->nu = cws.nu;
+  N = cws.N;
+  E = cws.E;
+}
 
 /// Jbar of one constraint, n x m, by recursive/operational_space.hpp.
 template <typename T>
@@ -155,59 +158,26 @@ CarriedInward<T> carriedInward(const SixVectors<T>& six, const LinkConstraint<T>
 enum class Printed { kYes, kNo };
 
 /// (58), as printed with the accelerations that the dense solution gives, or corrected.
-inline void compareOutward(Point& at, const Robot<T>& robot, const LinkConstraint<T>& held,
-                           Printed printed) {
-  const Constrained<T> truth = denseConstrained<T>(robot, {held});
-  const SixVectors<T> six(robot);
-  const CarriedInward<T> inward = carriedInward(six, held);
-  const std::vector<Vector6<T>> F = six.biasForces();
-  const VectorX<T> nu = -truth.nu;  // the chapter's: on the environment
-  Vector6<T> a_p = six.gravityAtBase();
-  for (int i = 0; i < six.n(); ++i) {
-    const Vector6<T> handed_on = six.X[i] * a_p;
-    const Vector6<T> a = handed_on + six.c[i] + six.Z[i] * truth.qdd[i];
-    const Vector6<T> taken =
-        printed == Printed::kYes ? Vector6<T>(a - handed_on) : Vector6<T>(handed_on + six.c[i]);
-    const Vector6<T> F_all = F[i] + six.M_A[i] * taken + inward.E[i] * nu;
-    at.equal("qdd", T((robot.tau[i] - six.Z[i].dot(F_all)) / six.D[i]), truth.qdd[i]);
-    a_p = a;
-  }
-}
+void compareOutward(Point& at, const Robot<T>& robot, const LinkConstraint<T>& held,
+                    Printed printed);
 
 /// A chain of turning joints at a random place, with positive masses and rotors.
-inline Robot<Ball> realRobot(RealPoint& at, int n) {
-  Robot<Ball> robot;
-  for (int i = 0; i < n; ++i) {
-    robot.parent.push_back(i - 1);
-    robot.kind.push_back(kTurn);
-    robot.R.push_back(Point::rotationOf<Ball>(at.number(0.5, 1), at.vector()));
-    robot.r.push_back(at.vector());
-    PointMasses<Ball> body;
-    for (int k = 0; k < 3; ++k) {
-      body.m.push_back(at.number(0.1, 1));
-      body.r.push_back(at.vector());
-    }
-    robot.body.push_back(body);
-    robot.rotor.push_back(at.number(0.01, 0.1));
-    const scene::CosSin<Ball> angle = cosSin(at.number(-3, 3));
-    robot.x.push_back({Ball(0), angle.c, angle.s});
-    robot.qd.push_back(at.number(-1, 1));
-    robot.qdd.push_back(at.number(-1, 1));
-    robot.tau.push_back(at.number(-1, 1));
-  }
-  robot.gravity = at.vector();
-  return robot;
-}
-inline LinkConstraint<Ball> realConstraint(RealPoint& at, int link, int m) {
-  LinkConstraint<Ball> held;
-  held.link = link;
-  held.A.resize(6, m);
-  held.b.resize(m);
-  for (int k = 0; k < m; ++k) {
-    for (int i = 0; i < 6; ++i) held.A(i, k) = at.number(-1, 1);
-    held.b(k) = at.number(-1, 1);
-  }
-  return held;
-}
+Robot<Ball> realRobot(RealPoint& at, int n);
+LinkConstraint<Ball> realConstraint(RealPoint& at, int link, int m);
+
+/// Whether N_0 is always definite (definiteness.cpp).
+Trials definiteness();
+
+// over the field: compiled once (constraints_in_field.cpp)
+
+extern template VectorX<T> constrainedAcceleration(const Robot<T>&, const LinkConstraint<T>&,
+                                                   const std::vector<T>&);
+extern template Constrained<T> denseConstrained(const Robot<T>&,
+                                                const std::vector<LinkConstraint<T>>&);
+extern template struct Swept<T>;
+extern template MatrixX<T> sweptConsistentInverse(const Robot<T>&, const LinkConstraint<T>&);
+extern template MatrixX<T> responseToBase(Robot<T>, const LinkConstraint<T>&);
+extern template CarriedInward<T> carriedInward(const SixVectors<T>&, const LinkConstraint<T>&,
+                                               const std::vector<Vector6<T>>&, bool, int);
 
 }  // namespace dynwitness::audit

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The chapter's question whether N_0 is always definite, in numbers: arms, poses and constraints.
+// The chapter's question whether N_0 is always definite; in numbers: arms, poses and constraints.
 #include <cmath>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
-#include "crosscheck/audit/audit.hpp"
+#include "crosscheck/audit/constraints.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/constrained_dynamics.hpp"
 #include "scene/scene.hpp"
@@ -96,6 +96,53 @@ Rows definitenessRows() {
       scene::findScene("franka_panda").mechanism, {0, -pi / 4, 0, -3 * pi / 4, 0, pi / 2, pi / 4},
       {along(6, 6)});
   return rows;
+}
+
+Trials definiteness() {
+  return Trials("N_definite")
+      .printed(differs([](Point& at) {
+        const auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
+        auto held = anyConstraint<2>(at, 2);
+        held.A.col(1) = held.A.col(0) * at.number();
+        at.zero("det N_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).N_0));
+      }))
+      .condition(certified([](RealPoint& at) {
+        const Robot<Ball> robot = realRobot(at, 3);
+        const LinkConstraint<Ball> held = realConstraint(at, 2, 2);
+        const auto inward = carriedInward(SixVectors<Ball>(robot), held);
+        VectorX<Ball> y(2);
+        y << at.number(-1, 1), at.number(-1, 1);
+        at.positive("-y' N_0 y", -y.dot(VectorX<Ball>(inward.N_0.lazyProduct(y))));
+      }))
+      .corrected(both(exact([](Point& at) {
+                        const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+                        const auto held = anyConstraint<2>(at, 2);
+                        VectorX<T> y(2);
+                        y << at.number(), at.number();
+                        const VectorX<T> f = robot.jacobian(2).transpose() * held.A * y;
+                        const auto inward = carriedInward(SixVectors<T>(robot), held);
+                        at.equal("quadratic form", T(-y.dot(VectorX<T>(inward.N_0 * y))),
+                                 T(f.dot(solveDense<T>(robot.massMatrix(), f))));
+                        T squares = T(0);
+                        for (const auto& [e, D] : inward.at_joints)
+                          squares += e.dot(y) * e.dot(y) / D;
+                        at.equal("sum of squares", T(-y.dot(VectorX<T>(inward.N_0 * y))), squares);
+                      }),
+                      exact([](Point& at) {  // a stretched planar arm, held along itself
+                        auto robot = anyRobot(at, {kTurn, kTurn});
+                        const T length = at.number();
+                        for (int i = 0; i < 2; ++i) {
+                          robot.R[i] = Matrix3<T>::Identity();
+                          robot.r[i] = Vector3<T>(i == 0 ? T(0) : length, T(0), T(0));
+                          robot.x[i] = {T(0), T(1), T(0)};
+                        }
+                        LinkConstraint<T> held;
+                        held.link = 1;
+                        held.A = Vector6<T>::Unit(0);  // through the origin, along the arm
+                        held.b = VectorX<T>::Constant(1, T(0));
+                        at.zero("N_0", carriedInward(SixVectors<T>(robot), held).N_0);
+                      })))
+      .numbers(definitenessRows);
 }
 
 }  // namespace dynwitness::audit

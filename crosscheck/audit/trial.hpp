@@ -129,19 +129,22 @@ class Point {
 
   /// The rotation of a quaternion (w, u) of any length but zero, by rational arithmetic.
   template <typename S>
-  static Matrix3<S> rotationOf(const S& w, const Vector3<S>& u) {
-    const S scale = S(1) / (w * w + u.dot(u));
-    Matrix3<S> R = u * u.transpose() * (S(2) * scale) + skew<S>(u) * (S(2) * scale * w);
-    const S diagonal = (w * w - u.dot(u)) * scale;
-    for (int i = 0; i < 3; ++i) R(i, i) += diagonal;
-    return R;
-  }
+  static Matrix3<S> rotationOf(const S& w, const Vector3<S>& u);
 
  private:
   FieldSource source_;
   int drawn_ = 0;
   std::vector<Difference<T>> differences_;
 };
+
+template <typename S>
+Matrix3<S> Point::rotationOf(const S& w, const Vector3<S>& u) {
+  const S scale = S(1) / (w * w + u.dot(u));
+  Matrix3<S> R = u * u.transpose() * (S(2) * scale) + skew<S>(u) * (S(2) * scale * w);
+  const S diagonal = (w * w - u.dot(u)) * scale;
+  for (int i = 0; i < 3; ++i) R(i, i) += diagonal;
+  return R;
+}
 
 using ExactStatement = std::function<void(Point&)>;
 

@@ -62,42 +62,54 @@ struct Path {
   Matrix3<Jet<T>> R;
   Vector3<Jet<T>> p;
 
-  Vector3<Jet<T>> place(const Vector3<T>& r) const { return p + R * still<T, 3, 1>(r); }
+  Vector3<Jet<T>> place(const Vector3<T>& r) const;
   Matrix3<T> axes() const { return now<T, 3, 3>(R); }
   Vector3<T> origin() const { return now<T, 3, 1>(p); }
   /// w of Rd = w x R, in world axes
-  Vector3<T> omega() const { return unskewed(rate<T, 3, 3>(R) * axes().transpose()); }
-  Vector3<T> alpha() const {
-    const Matrix3<T> Rd = rate<T, 3, 3>(R);
-    return unskewed(secondRate<T, 3, 3>(R) * axes().transpose() + Rd * Rd.transpose());
-  }
+  Vector3<T> omega() const;
+  Vector3<T> alpha() const;
   /// Of the body's point that is the frame's origin, in world axes.
-  Motion<T> velocity() const { return {rate<T, 3, 1>(p), omega()}; }
+  Motion<T> velocity() const;
   /// Derivative of velocity(): the acceleration of that point of the body.
-  Motion<T> acceleration() const { return {secondRate<T, 3, 1>(p), alpha()}; }
+  Motion<T> acceleration() const;
 
  private:
   static Vector3<T> unskewed(const Matrix3<T>& m) { return {m(2, 1), m(0, 2), m(1, 0)}; }
 };
 
+// not in the class: what is inline is compiled in every file, extern or not
+
+template <typename T>
+Vector3<Jet<T>> Path<T>::place(const Vector3<T>& r) const {
+  return p + R * still<T, 3, 1>(r);
+}
+
+template <typename T>
+Vector3<T> Path<T>::omega() const {
+  return unskewed(rate<T, 3, 3>(R) * axes().transpose());
+}
+
+template <typename T>
+Vector3<T> Path<T>::alpha() const {
+  const Matrix3<T> Rd = rate<T, 3, 3>(R);
+  return unskewed(secondRate<T, 3, 3>(R) * axes().transpose() + Rd * Rd.transpose());
+}
+
+template <typename T>
+Motion<T> Path<T>::velocity() const {
+  return {rate<T, 3, 1>(p), omega()};
+}
+
+template <typename T>
+Motion<T> Path<T>::acceleration() const {
+  return {secondRate<T, 3, 1>(p), alpha()};
+}
+
 enum class Start { kMoving, kNotTurning, kStandstill };
 
 /// Any motion, to second order in time: a rational rotation of a quaternion that is any function of
 /// time.
-inline Path<T> anyPath(Point& at, Start start = Start::kMoving) {
-  const auto draw = [&](bool moving) {
-    const T x = at.number();
-    const T xd = moving ? at.number() : T(0);
-    return jet<T>(x, xd, at.number());
-  };
-  const auto drawVector = [&](bool moving) {
-    const Jet<T> x = draw(moving), y = draw(moving), z = draw(moving);
-    return Vector3<Jet<T>>(x, y, z);
-  };
-  const Jet<T> w = draw(start == Start::kMoving);
-  const Vector3<Jet<T>> u = drawVector(start == Start::kMoving);
-  return {Point::rotationOf<Jet<T>>(w, u), drawVector(start != Start::kStandstill)};
-}
+Path<T> anyPath(Point& at, Start start = Start::kMoving);
 
 /// A joint coordinate with its rates.
 template <typename T>
@@ -141,56 +153,67 @@ struct PointMasses {
   std::vector<T> m;
   std::vector<Vector3<T>> r;  ///< in the body's frame
 
-  T mass() const {
-    T sum = T(0);
-    for (const T& m_k : m) sum += m_k;
-    return sum;
-  }
-  Vector3<T> firstMoment() const {
-    Vector3<T> sum = Vector3<T>::Zero();
-    for (std::size_t k = 0; k < m.size(); ++k) sum += r[k] * m[k];
-    return sum;
-  }
+  T mass() const;
+  Vector3<T> firstMoment() const;
   Vector3<T> center() const { return firstMoment() / mass(); }
   /// sum m (r'r 1 - r r') about this point of the body's frame
-  Matrix3<T> inertiaAbout(const Vector3<T>& point) const {
-    Matrix3<T> I = Matrix3<T>::Zero();
-    for (std::size_t k = 0; k < m.size(); ++k) {
-      const Vector3<T> d = r[k] - point;
-      I += (Matrix3<T>::Identity() * d.dot(d) - d * d.transpose()) * m[k];
-    }
-    return I;
-  }
-  RigidInertia<T> inertia() const {
-    return {mass(), firstMoment(), Symmetric3<T>::fromUpper(inertiaAbout(Vector3<T>::Zero()))};
-  }
+  Matrix3<T> inertiaAbout(const Vector3<T>& point) const;
+  RigidInertia<T> inertia() const;
   /// The same masses seen from another frame: places R r + p.
-  PointMasses seenFrom(const Matrix3<T>& R, const Vector3<T>& p) const {
-    PointMasses out = *this;
-    for (Vector3<T>& place : out.r) place = R * place + p;
-    return out;
-  }
+  PointMasses seenFrom(const Matrix3<T>& R, const Vector3<T>& p) const;
   /// The force that Newton's law says this motion needs: sum m xdd, and its moment about `point`
   /// [world].
-  Force<T> force(const Path<T>& path, const Vector3<T>& point) const {
-    Force<T> sum = Force<T>::zero();
-    for (std::size_t k = 0; k < m.size(); ++k) {
-      const Vector3<Jet<T>> x = path.place(r[k]);
-      const Vector3<T> f = secondRate<T, 3, 1>(x) * m[k];
-      sum = sum + Force<T>{f, (now<T, 3, 1>(x) - point).cross(f)};
-    }
-    return sum;
-  }
+  Force<T> force(const Path<T>& path, const Vector3<T>& point) const;
 };
 
-inline PointMasses<T> anyBody(Point& at) {
-  PointMasses<T> body;
-  for (int k = 0; k < 4; ++k) {
-    body.m.push_back(at.number());
-    body.r.push_back(at.vector());
-  }
-  return body;
+template <typename T>
+T PointMasses<T>::mass() const {
+  T sum = T(0);
+  for (const T& m_k : m) sum += m_k;
+  return sum;
 }
+
+template <typename T>
+Vector3<T> PointMasses<T>::firstMoment() const {
+  Vector3<T> sum = Vector3<T>::Zero();
+  for (std::size_t k = 0; k < m.size(); ++k) sum += r[k] * m[k];
+  return sum;
+}
+
+template <typename T>
+Matrix3<T> PointMasses<T>::inertiaAbout(const Vector3<T>& point) const {
+  Matrix3<T> I = Matrix3<T>::Zero();
+  for (std::size_t k = 0; k < m.size(); ++k) {
+    const Vector3<T> d = r[k] - point;
+    I += (Matrix3<T>::Identity() * d.dot(d) - d * d.transpose()) * m[k];
+  }
+  return I;
+}
+
+template <typename T>
+RigidInertia<T> PointMasses<T>::inertia() const {
+  return {mass(), firstMoment(), Symmetric3<T>::fromUpper(inertiaAbout(Vector3<T>::Zero()))};
+}
+
+template <typename T>
+PointMasses<T> PointMasses<T>::seenFrom(const Matrix3<T>& R, const Vector3<T>& p) const {
+  PointMasses out = *this;
+  for (Vector3<T>& place : out.r) place = R * place + p;
+  return out;
+}
+
+template <typename T>
+Force<T> PointMasses<T>::force(const Path<T>& path, const Vector3<T>& point) const {
+  Force<T> sum = Force<T>::zero();
+  for (std::size_t k = 0; k < m.size(); ++k) {
+    const Vector3<Jet<T>> x = path.place(r[k]);
+    const Vector3<T> f = secondRate<T, 3, 1>(x) * m[k];
+    sum = sum + Force<T>{f, (now<T, 3, 1>(x) - point).cross(f)};
+  }
+  return sum;
+}
+
+PointMasses<T> anyBody(Point& at);
 
 /// [ m 1, -m hat(r_c); m hat(r_c), I ] written out.                             [chapter, equation
 /// 18]
@@ -300,5 +323,21 @@ JointSolution<T> solveJoint(const JointProblem<T>& problem) {
   const VectorX<T> x = solveDense<T>(A, b);
   return {x.template segment<6>(0), x.template segment<6>(7), x(6)};
 }
+
+// over the field: compiled once (robot_in_field.cpp), and not again in every file that draws one
+
+extern template Matrix3<T> Point::rotationOf(const T&, const Vector3<T>&);
+extern template Matrix3<Jet<T>> Point::rotationOf(const Jet<T>&, const Vector3<Jet<T>>&);
+extern template struct Path<T>;
+extern template struct PointMasses<T>;
+extern template Path<T> turned(const Path<T>&, const Matrix3<T>&, const Vector3<T>&,
+                               const scene::CosSin<T>&, const JointMotion<T>&);
+extern template Path<T> slid(const Path<T>&, const Matrix3<T>&, const Vector3<T>&,
+                             const JointMotion<T>&);
+extern template Matrix6<T> massMatrix6(const PointMasses<T>&);
+extern template VectorX<T> solveDense(MatrixX<T>, VectorX<T>);
+extern template Matrix6<T> projectionOf(const Matrix6<T>&, const Vector6<T>&, const T&);
+extern template Matrix6<T> projectedInertia(const Matrix6<T>&, const Vector6<T>&, const T&);
+extern template JointSolution<T> solveJoint(const JointProblem<T>&);
 
 }  // namespace dynwitness::audit

@@ -112,7 +112,8 @@ const std::vector<Rule> kRules = {
       "report"}},
     {"readers", {"scene", "recursive", "system", "inputs", "scalars", "witnesses", "report"}},
     {"audit",
-     {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "studies", "report"}},
+     {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "witnesses", "studies",
+      "report"}},
     {"growth", {"scene", "recursive", "system", "inputs", "witnesses", "verdicts", "report"}},
     {"stability",
      {"scene", "recursive", "system", "scalars", "witnesses", "motion", "verdicts", "chart",
@@ -299,7 +300,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/exact/exact.hpp", {"1e-30"}},              // the same
       {"crosscheck/exact/ledger.hpp", {"1e-30"}},             // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
-      {"crosscheck/audit/board.hpp", {"1e-12"}},              // what is printed as 0 beside others
+      {"crosscheck/audit/board.cpp", {"1e-12"}},              // what is printed as 0 beside others
       {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error
       {"crosscheck/motion/closed_work.cpp", {"1e-2"}},        // first of errors asked of steps
       {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
