@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 16.1 and 17: impedances in other frames, and the geometry of the mass matrix.
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
 #include "crosscheck/audit/board.hpp"

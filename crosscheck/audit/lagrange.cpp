@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/lifted.hpp"
 #include "recursive/energy.hpp"

@@ -15,7 +15,8 @@ std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
   const std::vector<DerivativePair> pairs = derivativePairs(mechanism);
   Inquiry inquiry;
   for (const DerivativePair& pair : pairs) inquiry.checks.push_back(inWords(pair));
-  inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+  inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                    const std::vector<char>&) {
     DerivativeRoads<PrimeField> roads(mechanism, programs, number);
     roads.at(state);
     SidesOfAll sides;

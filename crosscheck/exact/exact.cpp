@@ -147,7 +147,7 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
       if (options.at) options.at(number, state);
       std::vector<char> wanted;
       for (const Trial& trial : trials) wanted.push_back(trial.done() ? 0 : 1);
-      sides = inquiry.sidesOf(number, state, wanted);
+      sides = inquiry.ask(number, state, wanted);
     } catch (const DivisionByZero& error) {  // sized: as a formula; else the prime divides a number
       for (TwoSides<PrimeField>& failed : sides) failed.failure = error.what();
     }
@@ -242,8 +242,8 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
         fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
     inquiry.checks.push_back(check);
   }
-  inquiry.ask_wanted = [=](const FieldNumbers& number, const scene::State<PrimeField>& state,
-                           const std::vector<char>& wanted) {
+  inquiry.ask = [=](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                    const std::vector<char>& wanted) {
     std::vector<char> heard(witnesses.size(), 0);
     for (std::size_t k = 0; k < pairs.size(); ++k)
       if (wanted[k] != 0) heard[pairs[k].left] = heard[pairs[k].right] = 1;
@@ -251,10 +251,6 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
     for (std::size_t w = 0; w < witnesses.size(); ++w)
       built.push_back(heard[w] != 0 ? witnesses[w].in_field(number) : ExactWitness::Answers());
     return ask(pairs, built, state, wanted);
-  };
-  inquiry.ask = [some = inquiry.ask_wanted, count = pairs.size()](
-                    const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    return some(number, state, std::vector<char>(count, 1));
   };
   return inquiry;
 }
@@ -293,7 +289,8 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
   const auto program =
       std::make_shared<const symbolic::Program>(symbolic::compile(equations.graph, outputs));
   inquiry.ask = [program, &mechanism](const FieldNumbers& number,
-                                      const scene::State<PrimeField>& state) {
+                                      const scene::State<PrimeField>& state,
+                                      const std::vector<char>&) {
     using T = PrimeField;
     SidesOfAll all(kParts);
     try {
@@ -325,21 +322,17 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
 Inquiry both(const Inquiry& a, const Inquiry& b) {
   Inquiry inquiry{a.checks, {}};
   inquiry.checks.insert(inquiry.checks.end(), b.checks.begin(), b.checks.end());
-  inquiry.ask_wanted = [a, b](const FieldNumbers& number, const scene::State<PrimeField>& state,
-                              const std::vector<char>& wanted) {
+  inquiry.ask = [a, b](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                       const std::vector<char>& wanted) {
     const auto middle = wanted.begin() + static_cast<std::ptrdiff_t>(a.checks.size());
     const auto of = [&](const Inquiry& one, const std::vector<char>& of_one) {
       return std::count(of_one.begin(), of_one.end(), 0) == static_cast<long>(of_one.size())
                  ? SidesOfAll(of_one.size())
-                 : one.sidesOf(number, state, of_one);
+                 : one.ask(number, state, of_one);
     };
     SidesOfAll sides = of(a, {wanted.begin(), middle});
     for (auto& more : of(b, {middle, wanted.end()})) sides.push_back(std::move(more));
     return sides;
-  };
-  inquiry.ask = [some = inquiry.ask_wanted, count = inquiry.checks.size()](
-                    const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    return some(number, state, std::vector<char>(count, 1));
   };
   return inquiry;
 }

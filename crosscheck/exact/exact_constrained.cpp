@@ -49,7 +49,8 @@ Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedCo
         question("closed loops", "tau",
                  "forces of driven joints in closed loops by the sweeps = one dense system"));
   inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
-                                    const scene::State<PrimeField>& state) {
+                                    const scene::State<PrimeField>& state,
+                                    const std::vector<char>&) {
     using T = PrimeField;
     return answered(mechanism.isDriven() ? 3 : 2, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
@@ -96,7 +97,8 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedC
           "J qdd + (dJ/dt) qd under the controller's torques = what the task asks, whatever the "
           "posture")};
   inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
-                                    const scene::State<PrimeField>& state) {
+                                    const scene::State<PrimeField>& state,
+                                    const std::vector<char>&) {
     using T = PrimeField;
     return answered(4, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
@@ -146,7 +148,8 @@ Inquiry baseProblem(const scene::Mechanism& mechanism,
       question("least constraint", "nu",
                "forces on the base by Gauss' problem = one dense system")};
   inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
-                                    const scene::State<PrimeField>& state) {
+                                    const scene::State<PrimeField>& state,
+                                    const std::vector<char>&) {
     using T = PrimeField;
     return answered(2, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
@@ -204,7 +207,8 @@ Inquiry springs(const scene::Mechanism& mechanism,
       "joint forces of pulls (stiffness l^2 + damping l l') d between points by the sweeps = their "
       "virtual work")};
   inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
-                                    const scene::State<PrimeField>& state) {
+                                    const scene::State<PrimeField>& state,
+                                    const std::vector<char>&) {
     using T = PrimeField;
     return answered(1, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
@@ -238,7 +242,8 @@ Inquiry reactions(const scene::Mechanism& mechanism,
       "reactions by the sweeps, for any qdd and multipliers, springs pulling (stiffness l^2 + "
       "damping l l') d = multipliers of cut joints")};
   inquiry.ask = [dense, cut, &mechanism](const FieldNumbers& number,
-                                         const scene::State<PrimeField>& state) {
+                                         const scene::State<PrimeField>& state,
+                                         const std::vector<char>&) {
     using T = PrimeField;
     return answered(1, [&](SidesOfAll& all) {
       const auto held = static_cast<Eigen::Index>(mechanism.acceleration_constraints.size());

@@ -12,12 +12,8 @@ namespace dynwitness::crosscheck {
 Inquiry identityInquiry(const scene::Mechanism& mechanism) {
   Inquiry inquiry;
   inquiry.checks = inWords(Identities::words(mechanism));
-  inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    SweptMechanism<PrimeField> swept(mechanism, number);
-    return Identities::sides(mechanism, swept.at(state));
-  };
-  inquiry.ask_wanted = [&](const FieldNumbers& number, const scene::State<PrimeField>& state,
-                           const std::vector<char>& wanted) {
+  inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                    const std::vector<char>& wanted) {
     SweptMechanism<PrimeField> swept(mechanism, number);
     return Identities::wantedSides(mechanism, swept.at(state), wanted);
   };

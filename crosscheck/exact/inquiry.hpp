@@ -17,18 +17,11 @@ using SidesOfAll = std::vector<TwoSides<PrimeField>>;
 /// formulas and at each point for their values. Where a side cannot be had, `failure` says why.
 struct Inquiry {
   std::vector<CheckResult> checks;  ///< what is asked, in words
-  std::function<SidesOfAll(const FieldNumbers&, const scene::State<PrimeField>&)> ask;
-  /// The same of those that are wanted, one entry a check, where the others need not be computed:
-  /// checks that have enough points are not asked at those that others need. May be empty.
+  /// @param wanted  one entry a check: where it is 0 the sides need not be computed, since the check
+  ///   has enough points, and this one is for others
   std::function<SidesOfAll(const FieldNumbers&, const scene::State<PrimeField>&,
                            const std::vector<char>& wanted)>
-      ask_wanted = {};
-
-  /// By ask_wanted() where there is one.
-  SidesOfAll sidesOf(const FieldNumbers& number, const scene::State<PrimeField>& state,
-                     const std::vector<char>& wanted) const {
-    return ask_wanted ? ask_wanted(number, state, wanted) : ask(number, state);
-  }
+      ask = {};
 };
 
 /// The identities of identities.hpp; the mechanism must outlive it.
@@ -50,7 +43,9 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
 template <typename Ask>
 std::vector<CheckResult> decide(const scene::Scene& scene, const std::vector<LawWords>& laws,
                                 const Ask& ask, const ExactOptions& options) {
-  return explained(laws, decide(scene, Inquiry{inWords(laws), ask}, options));
+  const auto all = [ask](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                         const std::vector<char>&) { return ask(number, state); };
+  return explained(laws, decide(scene, Inquiry{inWords(laws), all}, options));
 }
 
 }  // namespace dynwitness::crosscheck

@@ -50,8 +50,8 @@ std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene,
       symbolic::compile(symbols.equations.graph, outputs));
   scene::Scene asked = scene;  // numbers for both sides: the scene's, and the symbols
   asked.mechanism.parameters = symbols.mechanism.parameters;
-  inquiry.ask = [&scene, derived](const FieldNumbers& number,
-                                  const scene::State<PrimeField>& state) {
+  inquiry.ask = [&scene, derived](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                                  const std::vector<char>&) {
     try {
       return SidesOfAll{sides(scene.mechanism, *derived, number, state)};
     } catch (const std::domain_error& error) {

@@ -14,6 +14,7 @@
 #include "crosscheck/verdicts/identity_tallies.hpp"
 #include "crosscheck/verdicts/truth.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
+#include "crosscheck/witnesses/textbook_derivatives.hpp"
 #include "recursive/fast/derivatives.hpp"
 #include "scene/work.hpp"
 
@@ -83,29 +84,6 @@ Eigen::MatrixXd boundsOf(const MatrixX<RunningError>& m) {
   return m.unaryExpr([](const RunningError& x) { return x.bound(); });
 }
 
-/// The textbook's sweeps on any scalar.
-template <typename T>
-class Textbook {
- public:
-  using Matrices = typename FastDerivatives<T>::Matrices;
-  explicit Textbook(recursive::Model<T> model)
-      : model_(std::move(model)), room_(model_), of_tau_(model_), of_qdd_(model_) {}
-  Matrices ofForces(const scene::State<T>& s) {
-    recursive::inverseDynamicsDerivatives(model_, s.x, s.qd, s.qdd, room_, of_tau_);
-    return {of_tau_.dtau_dq, of_tau_.dtau_dqd, of_tau_.M};
-  }
-  Matrices ofAccelerations(const scene::State<T>& s) {
-    recursive::forwardDynamicsDerivatives(model_, s.x, s.qd, s.qdd, room_, of_tau_, of_qdd_);
-    return {of_qdd_.dqdd_dq, of_qdd_.dqdd_dqd, of_qdd_.dqdd_dtau};
-  }
-
- private:
-  recursive::Model<T> model_;
-  recursive::DerivativesWorkspace<T> room_;
-  recursive::InverseDynamicsDerivatives<T> of_tau_;
-  recursive::ForwardDynamicsDerivatives<T> of_qdd_;
-};
-
 /** Answers in double, and how far rounding may have taken them: by running errors, and where M is
     solved with, by what each rounding does to the residual.
     @tparam Double   answers ofForces() and ofAccelerations() in double
@@ -160,8 +138,9 @@ class RoadInDouble {
 /// The fast sweeps as they are called: in the vectors of this processor.
 class FastInDouble {
  public:
+  using Matrices = FastDerivatives<double>::Matrices;
   explicit FastInDouble(const recursive::Model<double>& model) : plan_(model), room_(plan_) {}
-  typename Textbook<double>::Matrices ofForces(const scene::State<double>& s) {
+  Matrices ofForces(const scene::State<double>& s) {
     auto out = room();
     const std::size_t n = static_cast<std::size_t>(plan_.dof);
     recursive::fast::inverseDynamicsDerivatives<double>(
@@ -169,7 +148,7 @@ class FastInDouble {
         {out.by_q.data(), out.by_qd.data(), n, out.by_last.data(), n});
     return out;
   }
-  typename Textbook<double>::Matrices ofAccelerations(const scene::State<double>& s) {
+  Matrices ofAccelerations(const scene::State<double>& s) {
     auto out = room();
     recursive::fast::forwardDynamicsDerivatives<double>(
         plan_, s.x.data(), s.qd.data(), s.qdd.data(), room_,
@@ -178,7 +157,7 @@ class FastInDouble {
   }
 
  private:
-  typename Textbook<double>::Matrices room() const {
+  Matrices room() const {
     const recursive::RowsX<double> empty = recursive::RowsX<double>::Zero(plan_.dof, plan_.dof);
     return {empty, empty, empty};
   }
@@ -305,7 +284,7 @@ std::vector<CheckResult> checkDerivatives(const PreparedScene& prepared, const O
     check.seed = options.seed;
     pairs.emplace_back(check);
   }
-  RoadInDouble<Textbook<double>, Textbook> textbook(in_double);
+  RoadInDouble<TextbookDerivatives<double>, TextbookDerivatives> textbook(in_double);
   std::optional<RoadInDouble<FastInDouble, FastDerivatives>> fast;
   std::vector<AgainstTruth> of_textbook, of_fast;
   for (const Derivative quantity : kDerivatives)

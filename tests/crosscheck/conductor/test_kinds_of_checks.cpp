@@ -35,12 +35,15 @@
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
+#include "tests/crosscheck/conductor/faulty_field.hpp"
 #include "tests/fixtures/wrong_roads.hpp"
 
 namespace data = boost::unit_test::data;
 namespace fs = std::filesystem;
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
+using fixtures::Faulty;
+using fixtures::FaultyNumbers;
 
 namespace {
 
@@ -213,76 +216,18 @@ std::set<std::string> redByAWrongRoad(const std::string& name) {
   return kinds;
 }
 
-// ---- the identities, with one operation that goes wrong
+// ---- the identities, with one operation that goes wrong (faulty_field.hpp)
 // -----------------------------------------------
-
-/// An element of the field whose arithmetic fails once: the result of operation number `wrong` is
-/// one more.
-class Faulty {
- public:
-  static inline long done = 0, wrong = -1;
-
-  Faulty() = default;
-  Faulty(int value) : x_(value) {}  // NOLINT(google-explicit-constructor): as for the field
-  Faulty(PrimeField x) : x_(x) {}   // NOLINT(google-explicit-constructor)
-  PrimeField inner() const { return x_; }
-
-  friend Faulty operator+(Faulty a, Faulty b) { return after(a.x_ + b.x_); }
-  friend Faulty operator-(Faulty a, Faulty b) { return after(a.x_ - b.x_); }
-  friend Faulty operator*(Faulty a, Faulty b) { return after(a.x_ * b.x_); }
-  friend Faulty operator/(Faulty a, Faulty b) { return after(a.x_ / b.x_); }
-  Faulty operator-() const { return Faulty(-x_); }
-  Faulty& operator+=(Faulty b) { return *this = *this + b; }
-  Faulty& operator-=(Faulty b) { return *this = *this - b; }
-  Faulty& operator*=(Faulty b) { return *this = *this * b; }
-  Faulty& operator/=(Faulty b) { return *this = *this / b; }
-  friend bool operator==(Faulty a, Faulty b) { return a.x_ == b.x_; }
-  friend bool operator!=(Faulty a, Faulty b) { return a.x_ != b.x_; }
-
- private:
-  static Faulty after(PrimeField x) {
-    return done++ == wrong ? Faulty(x + PrimeField(1)) : Faulty(x);
-  }
-  PrimeField x_;
-};
-
-/// The scene's numbers for it.
-class FaultyNumbers {
- public:
-  using Scalar = Faulty;
-  explicit FaultyNumbers(const FieldNumbers& inner) : inner_(inner) {}
-  Scalar operator()(const scene::Number& number) const { return inner_(number); }
-  scene::CosSin<Scalar> angle(const scene::Number& radians) const {
-    return lifted(inner_.angle(radians));
-  }
-  scene::AxisTurn<Scalar> axisTurn(const scene::Vector& axis) const {
-    const auto turn = inner_.axisTurn(axis);
-    return {lifted(turn.alpha), lifted(turn.beta)};
-  }
-
- private:
-  static scene::CosSin<Scalar> lifted(const scene::CosSin<PrimeField>& p) { return {p.c, p.s}; }
-  const FieldNumbers& inner_;
-};
-
-}  // namespace
-
-namespace Eigen {
-template <>
-struct NumTraits<Faulty> : dynwitness::crosscheck::EigenScalar<Faulty, 1, 2, 6> {};
-}  // namespace Eigen
-
-namespace {
 
 /// The identities with operation number `wrong` of their evaluation gone wrong (-1: none), decided
 /// as in a run.
 std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong,
                                            long* operations) {
   Inquiry inquiry = identityInquiry(scene.mechanism);
-  inquiry.ask_wanted = {};  // by ask() alone, which is spoiled here
   inquiry.ask = [&scene, wrong, operations, honest = inquiry.ask](
-                    const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    if (PrimeField::isSized()) return honest(number, state);
+                    const FieldNumbers& number, const scene::State<PrimeField>& state,
+                    const std::vector<char>& wanted) {
+    if (PrimeField::isSized()) return honest(number, state, wanted);
     Faulty::wrong = -1;
     const FaultyNumbers numbers(number);
     SweptMechanism<Faulty> swept(scene.mechanism, numbers);

@@ -261,7 +261,8 @@ Inquiry sameNumber() {
   Inquiry inquiry;
   inquiry.checks.resize(1);
   inquiry.checks[0].law = "a number is itself";
-  inquiry.ask = [](const FieldNumbers&, const scene::State<PrimeField>& state) {
+  inquiry.ask = [](const FieldNumbers&, const scene::State<PrimeField>& state,
+                   const std::vector<char>&) {
     const MatrixX<PrimeField> x = MatrixX<PrimeField>::Constant(1, 1, state.qd.at(0));
     return SidesOfAll{{x, x}};
   };
@@ -272,10 +273,10 @@ BOOST_AUTO_TEST_CASE(sides_that_were_not_computed_do_not_agree) {
   const scene::Scene scene = scene::findScene("double_pendulum");
   Inquiry inquiry = sameNumber();
   BOOST_TEST((decide(scene, inquiry, {}).at(0).verdict == Verdict::kAgree));
-  inquiry.ask_wanted = [ask = inquiry.ask](const FieldNumbers& number,
-                                           const scene::State<PrimeField>& state,
-                                           const std::vector<char>&) {
-    return PrimeField::isSized() ? ask(number, state) : SidesOfAll(1);
+  inquiry.ask = [ask = inquiry.ask](const FieldNumbers& number,
+                                    const scene::State<PrimeField>& state,
+                                    const std::vector<char>& wanted) {
+    return PrimeField::isSized() ? ask(number, state, wanted) : SidesOfAll(1);
   };
   BOOST_TEST((decide(scene, inquiry, {}).at(0).verdict == Verdict::kDisagree));
 }
@@ -284,10 +285,10 @@ BOOST_AUTO_TEST_CASE(checks_that_have_their_points_are_not_asked_again) {
   const scene::Scene scene = scene::findScene("double_pendulum");
   Inquiry two = both(sameNumber(), sameNumber());
   int asked[2] = {0, 0};
-  two.ask_wanted = [&asked, ask = two.ask](const FieldNumbers& number,
-                                           const scene::State<PrimeField>& state,
-                                           const std::vector<char>& wanted) {
-    SidesOfAll sides = ask(number, state);
+  two.ask = [&asked, ask = two.ask](const FieldNumbers& number,
+                                    const scene::State<PrimeField>& state,
+                                    const std::vector<char>& wanted) {
+    SidesOfAll sides = ask(number, state, std::vector<char>(2, 1));
     if (PrimeField::isSized()) {  // the second as of a degree that takes more points
       for (int k = 0; k < 16; ++k) sides[1].left = (sides[1].left * sides[1].left).eval();
       return sides;
