@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 14: the equations of motion in joint coordinates.
 #include "crosscheck/audit/board.hpp"
-#include "crosscheck/audit/counting.hpp"
+#include "crosscheck/audit/costs.hpp"
 #include "crosscheck/audit/lifted.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/energy.hpp"
@@ -222,42 +222,6 @@ Trials eq63() {
         }
         return rows;
       });
-}
-
-/// Operations of one evaluation for a chain of n turning joints in general position.
-struct Cost {
-  long mass_matrix, solve, articulated, inverse;
-};
-Cost costOf(int n) {
-  recursive::Model<Counted> model;
-  model.positions = n;
-  std::vector<scene::JointPosition<Counted>> x(static_cast<std::size_t>(n));
-  for (int i = 0; i < n; ++i) {
-    recursive::LinkModel<Counted> link;
-    link.parent = i - 1;
-    link.dof = link.slot = i;
-    link.kind = kTurn;
-    model.links.push_back(link);
-    model.link_of_dof.push_back(i);
-  }
-  recursive::Workspace<Counted> ws(model);
-  std::vector<Counted> v(static_cast<std::size_t>(n)), tau = v, qdd = v;
-  MatrixX<Counted> M(n, n);
-  Cost cost{};
-  const auto count = [](long* into, const auto& work) {
-    Counted::operations() = {};
-    work();
-    *into = Counted::operations().total();
-  };
-  count(&cost.mass_matrix, [&] { recursive::massMatrix(model, x, ws, M); });
-  count(&cost.inverse, [&] { recursive::inverseDynamics(model, x, v, qdd, ws, tau); });
-  count(&cost.solve, [&] {
-    recursive::factorize(M);
-    recursive::solve(M, tau);
-  });
-  cost.solve += cost.inverse + n;  // tau - bias
-  count(&cost.articulated, [&] { recursive::forwardDynamics(model, x, v, tau, ws, qdd); });
-  return cost;
 }
 
 /// The degree of a polynomial through these values: how often differences can be taken.
