@@ -30,6 +30,11 @@ constexpr long kMostPairsWithEstimates = 40'000;
 constexpr long kMostPairsOfEstimates = 500;
 constexpr std::size_t kNearest = 5;  ///< that are told where none explains
 
+/// The shortest s of all with the least |A s - b|.
+Eigen::VectorXd leastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  return A.completeOrthogonalDecomposition().solve(b);
+}
+
 bool isForce(Quantity quantity) {
   return quantity == Quantity::kM || quantity == Quantity::kc || quantity == Quantity::kg ||
          quantity == Quantity::kTau || quantity == Quantity::kQdd;
@@ -355,7 +360,7 @@ std::optional<VectorXd> estimated(const Case& all, const std::vector<const Exhib
   if (!(slope.cwiseAbs().maxCoeff() > 0) && !(a.cwiseAbs().maxCoeff() > 0)) return {};
   VectorXd s = zero;
   if (d > 1) {
-    s = slope.completeOrthogonalDecomposition().solve(D);
+    s = leastSquares(slope, D);
   } else {
     const VectorXd b1 = slope.col(0);
     std::vector<double> starts = {b1.squaredNorm() > 0 ? b1.dot(D) / b1.squaredNorm() : 0.0};
@@ -395,7 +400,7 @@ std::optional<VectorXd> estimated(const Case& all, const std::vector<const Exhib
     }
     const VectorXd off = all.stacked(exhibits, with(s), false);
     if (!off.allFinite()) return {};
-    s += slope.completeOrthogonalDecomposition().solve(off);
+    s += leastSquares(slope, off);
   }
   // so far each may go alone before an entry leaves its limit
   *uncertainty = zero;

@@ -2,32 +2,16 @@
 #include "crosscheck/parameters/parameters.hpp"
 
 #include <cmath>
-#include <limits>
-
-#include <Eigen/SVD>
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/parameters/condition.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/regressor.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
-
-/// Nothing where the smallest singular value drowns in the rounding of the largest.
-std::optional<double> conditionOf(const Eigen::MatrixXd& W) {
-  if (W.rows() < W.cols() || W.cols() == 0) return {};
-  // Jacobi's method keeps small singular values better, and takes minutes from here on
-  constexpr Eigen::Index kMostByJacobi = 200;
-  const Eigen::VectorXd s = W.cols() <= kMostByJacobi
-                                ? Eigen::JacobiSVD<Eigen::MatrixXd>(W).singularValues()
-                                : Eigen::BDCSVD<Eigen::MatrixXd>(W).singularValues();
-  const double condition = s(0) / s(s.size() - 1);
-  if (!(condition * std::numeric_limits<double>::epsilon() * static_cast<double>(W.rows()) < 1))
-    return {};
-  return condition;
-}
 
 double squareOf(const Eigen::VectorXd& matrices, Eigen::Index joint, int row, int column) {
   double sum = 0;  // of a three by three block, row by row of six

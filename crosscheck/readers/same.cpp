@@ -24,6 +24,13 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+/// Takes the direction of a to that of b, the shortest way.
+Matrix3d turnTaking(const Vector3d& a, const Vector3d& b) {
+  const Vector3d across = a.cross(b);
+  const Vector3d axis = across.isZero(0) ? a.unitOrthogonal() : across.normalized();
+  return Eigen::AngleAxisd(std::atan2(across.norm(), a.dot(b)), axis).toRotationMatrix();
+}
+
 /// One moving joint of a scene: where its positions and rates are.
 struct Place {
   int link, slot, rate;
@@ -173,7 +180,7 @@ class Differences {
       }
       if (!near(a.axis, axis, 1, frames)) {
         add("axis", shown(a.axis), shown(axis));
-        X.linear() = Eigen::Quaterniond::FromTwoVectors(axis, a.axis) * X.linear();
+        X.linear() = turnTaking(axis, a.axis) * X.linear();
       }
     } else if (X.translation().norm() > roundingOf(frames) * reach ||
                (X.linear() - Matrix3d::Identity()).norm() > roundingOf(frames)) {

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <Eigen/QR>
 
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
@@ -20,6 +21,7 @@
 #include "crosscheck/studies/independent_rates.hpp"
 #include "crosscheck/studies/rate_frame.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/dense_equations.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 
@@ -131,9 +133,8 @@ Freedom ConstrainedLinearization::Parts::freedomAt(const std::vector<double>& q,
   // of equations of rates what the others leave
   Eigen::MatrixXd left = J(of_rates, out.q);
   if (!out.positional.empty())
-    left -=
-        J(of_rates, out.dependent_q) *
-        J(out.positional, out.dependent_q).colPivHouseholderQr().solve(J(out.positional, out.q));
+    left -= J(of_rates, out.dependent_q) *
+            solvedByColumns(J(out.positional, out.dependent_q), J(out.positional, out.q));
   const Indices more = pivots(left, out.q);
   std::merge(out.dependent_q.begin(), out.dependent_q.end(), more.begin(), more.end(),
              std::back_inserter(out.dependent_v));
@@ -218,7 +219,7 @@ Indices ConstrainedLinearization::Parts::steerable(const Freedom& of, const Deri
   Eigen::MatrixXd left = boundedBalls(d.J_held).value(rigid, of.v);
   if (!of.dependent_v.empty())
     left -= boundedBalls(d.J_held).value(rigid, of.dependent_v) *
-            J(Eigen::all, of.dependent_v).colPivHouseholderQr().solve(J(Eigen::all, of.v));
+            solvedByColumns(J(Eigen::all, of.dependent_v), J(Eigen::all, of.v));
   return without(of.v, pivots(left, of.v));
 }
 
@@ -364,9 +365,12 @@ int ConstrainedLinearization::seekEquilibrium(std::vector<double>* q, std::vecto
     // nearer is what the same matrix would move less (Deuflhard's natural monotonicity): the size
     // of qdd itself says nothing where some directions are stiff
     const auto of_K = K.completeOrthogonalDecomposition();
-    const Eigen::VectorXd z = -of_K.solve(now.qdd);
+    const auto solved_for = [&](const Eigen::VectorXd& qdd) -> Eigen::VectorXd {
+      return of_K.solve(qdd);
+    };
+    const Eigen::VectorXd z = -solved_for(now.qdd);
     const auto isNearer = [&](const Tried& at) {
-      return at.at.rates == now.at.rates && of_K.solve(at.qdd).norm() < z.norm();
+      return at.at.rates == now.at.rates && solved_for(at.qdd).norm() < z.norm();
     };
     std::optional<Tried> next;
     double share = 1;

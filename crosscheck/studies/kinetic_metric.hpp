@@ -58,6 +58,10 @@ class KineticMetric {
 
   /// Of a tree.
   KineticMetric(const recursive::Model<T>& model, std::vector<scene::JointPosition<T>> x);
+  /// On the surface where `rows` of the closures' equations keep the values that they have at x.
+  /// None of them may depend on the others.
+  KineticMetric(const recursive::Model<T>& model, std::vector<scene::JointPosition<T>> x,
+                const recursive::Constraints<T>& closures, std::vector<int> rows);
 
   int n() const { return model_.dof(); }
   const Matrix& M() const { return M_; }
