@@ -12,6 +12,7 @@
 
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/verdicts/tally.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/constraints.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closures.hpp"

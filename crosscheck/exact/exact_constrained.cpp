@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/dense_equations.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/constrained_reactions.hpp"

@@ -12,6 +12,7 @@
 
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/inputs/random_mechanism.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/acceleration_constraints.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 #include "recursive/least_constraint.hpp"

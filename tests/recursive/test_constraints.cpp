@@ -13,6 +13,7 @@
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/motion/simulate.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "recursive/factorization.hpp"

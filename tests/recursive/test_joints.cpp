@@ -9,6 +9,7 @@
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/dual.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "recursive/articulated_body.hpp"

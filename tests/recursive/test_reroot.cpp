@@ -6,6 +6,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/scalars/prime_field.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "crosscheck/motion/simulate.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "recursive/hybrid_dynamics.hpp"

@@ -19,6 +19,7 @@
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/energy.hpp"
 #include "recursive/hybrid_dynamics.hpp"

@@ -15,6 +15,7 @@
 #include "crosscheck/motion/joint_pass.hpp"
 #include "crosscheck/motion/parameter_errors.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/factorization.hpp"
 #include "scene/scene.hpp"
 

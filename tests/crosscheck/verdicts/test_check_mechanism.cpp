@@ -12,6 +12,7 @@
 
 #include "crosscheck/motion/closed_states.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "tests/fixtures/wrong_roads.hpp"
 
 namespace data = boost::unit_test::data;

@@ -17,6 +17,7 @@
 #include "crosscheck/scalars/exact_state.hpp"
 #include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/scalars/moving_state.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/derivatives.hpp"
