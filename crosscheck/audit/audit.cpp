@@ -89,7 +89,7 @@ std::vector<Trials> allTrials() {
   std::vector<Trials> all;
   for (const auto& group :
        {frames, rigidBody, projections, recursions, algorithms, constrainedSystems, constraints,
-        tasks, analytical, lagrange, geometry}) {
+        tasks, analytical, lagrange, impedances, geometry}) {
     std::vector<Trials> trials = group();
     std::move(trials.begin(), trials.end(), std::back_inserter(all));
   }

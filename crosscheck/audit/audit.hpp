@@ -110,7 +110,8 @@ std::vector<Trials> constraints();         ///< 11.1
 std::vector<Trials> tasks();               ///< 11.2 to 13
 std::vector<Trials> analytical();          ///< 14
 std::vector<Trials> lagrange();            ///< 15, 16
-std::vector<Trials> geometry();            ///< 16.1, 17
+std::vector<Trials> impedances();          ///< 16.1
+std::vector<Trials> geometry();            ///< 17
 std::vector<Trials> allTrials();
 
 /// Arms, poses and constraints with the eigenvalues of N_0: 11.1. The last column is the verdict.
