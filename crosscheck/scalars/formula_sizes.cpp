@@ -65,7 +65,8 @@ std::uint64_t FormulaSizes::kept(const Value& value) {
     throw std::length_error("FormulaSizes: more than 2^28 sizes of formulas");
   last = static_cast<std::uint32_t>(index);
   values_.push_back(value);
-  if (values_.size() > lately_.size()) lately_.assign(4 * lately_.size(), 0);  // what was met is lost
+  if (values_.size() > lately_.size())
+    lately_.assign(4 * lately_.size(), 0);  // what was met is lost
   return index;
 }
 

@@ -116,7 +116,9 @@ class FormulaSizes {
   int divisorOf(PrimeField value);  ///< the divisor that value's numerator is
   /// (N / E) (X / (N F)) = X / (E F), where N was divided by before. @return whether it was
   bool cancelled(PrimeField n, PrimeField x, PrimeField* out);
-  bool mayDivide(PrimeField n) const { return may_divide_.test(operationOf(n) % may_divide_.size()); }
+  bool mayDivide(PrimeField n) const {
+    return may_divide_.test(operationOf(n) % may_divide_.size());
+  }
   Value sumOf(const Value& a, const Value& b);
   int constantDivisor(const scene::Integer& n);
 
