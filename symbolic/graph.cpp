@@ -258,19 +258,17 @@ Node Graph::multiply(Node a, Node b) {
     result = multiply(multiply(a, left(b)), right(b));
   } else {
     if (dependsOnState(a) == dependsOnState(b) && b < a) std::swap(a, b);
+    const auto plain = [&] {
+      const bool are_inverse =
+          (op(a) == Op::kInverse && left(a) == b) || (op(b) == Op::kInverse && left(b) == a);
+      return are_inverse ? Node{1} : operation(Op::kMultiply, a, b);
+    };
     const Node x = withoutFactor(*this, a), y = withoutFactor(*this, b);
-    const bool have_factors =
-        !dependsOnState(a) && !dependsOnState(b) && (x != a || y != b);  // which 2 x (y / 2) keeps
-    const Rational factor =
-        have_factors ? Rational(scaled(a).factor * scaled(b).factor) : Rational();
-    if (have_factors && (!isUnit(factor) || isNegative(factor))) {
-      result = scale(factor, multiply(x, y));
-    } else if (op(a) == Op::kInverse && left(a) == b) {
-      result = constant(1);
-    } else if (op(b) == Op::kInverse && left(b) == a) {
-      result = constant(1);
-    } else {
-      result = operation(Op::kMultiply, a, b);
+    if (dependsOnState(a) || dependsOnState(b) || (x == a && y == b)) {
+      result = plain();
+    } else {  // 2 x (y / 2) stays as it is
+      const Rational factor = scaled(a).factor * scaled(b).factor;
+      result = isUnit(factor) && !isNegative(factor) ? plain() : scale(factor, multiply(x, y));
     }
   }
   return negative ? negate(result) : result;

@@ -63,9 +63,9 @@ class Compiler {
       : graph_(graph), next_name_(graph.names().begin()) {
     for (Node n : outputs) need(n);
     collect();
-    emitted_.expect(static_cast<std::size_t>(std::count(needed_.begin(), needed_.end(), 1)));
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
-      if (needed_[i] && graph_.operandCount({i}) > 0 && graph_.op({i}) != Op::kNegate) lower({i});
+    emitted_.expect(order_.size());
+    for (const int i : order_)
+      if (graph_.operandCount({i}) > 0 && graph_.op({i}) != Op::kNegate) lower({i});
     for (Node n : outputs) program_.outputs.push_back(outputSlot(n));
   }
 
@@ -90,16 +90,19 @@ class Compiler {
   void collect() {
     for (int i = static_cast<int>(needed_.size()) - 1; i >= 0; --i) {
       if (!needed_[i]) continue;
+      order_.push_back(i);
       const Node n{i};
-      if (graph_.operandCount(n) > 0) need(graph_.left(n));
-      if (graph_.operandCount(n) > 1) need(graph_.right(n));
+      const int operands = graph_.operandCount(n);
+      if (operands > 0) need(graph_.left(n));
+      if (operands > 1) need(graph_.right(n));
       if (graph_.op(n) == Op::kTurn) uses_trig_.insert(graph_.joint(n));
     }
-    slot_of_.assign(graph_.size(), -1);
+    std::reverse(order_.begin(), order_.end());
+    slot_of_.assign(needed_.size(), -1);
     program_.constants.push_back(1);  // slot 0, which inverses read
     newSlot();
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i) {
-      if (!needed_[i] || !graph_.isConstant({i})) continue;
+    for (const int i : order_) {
+      if (!graph_.isConstant({i})) continue;
       if (graph_.isOne({i})) {
         slot_of_[i] = 0;
         continue;
@@ -107,20 +110,19 @@ class Compiler {
       program_.constants.push_back(graph_.value({i}));
       slot_of_[i] = newSlot();
     }
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i) {
-      if (!needed_[i] || graph_.op({i}) != Op::kAtom) continue;
+    for (const int i : order_) {
+      if (graph_.op({i}) != Op::kAtom) continue;
       program_.atoms.push_back(graph_.atom(Node{i}));
       slot_of_[i] = newSlot(graph_.atom(Node{i}).name);
     }
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
-      if (needed_[i] && graph_.op({i}) == Op::kInput)
-        load(graph_.inputKind({i}), graph_.joint({i}));
+    for (const int i : order_)
+      if (graph_.op({i}) == Op::kInput) load(graph_.inputKind({i}), graph_.joint({i}));
     for (int joint : uses_trig_) {
       load(Input::kCos, joint);
       load(Input::kSin, joint);
     }
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
-      if (needed_[i] && graph_.op({i}) == Op::kInput)
+    for (const int i : order_)
+      if (graph_.op({i}) == Op::kInput)
         slot_of_[i] = load(graph_.inputKind({i}), graph_.joint({i}));
   }
 
@@ -207,6 +209,7 @@ class Compiler {
   const Graph& graph_;
   Program program_;
   std::vector<char> needed_;
+  std::vector<int> order_;  ///< of the nodes that are needed
   std::vector<int> slot_of_;
   std::map<std::pair<Input, int>, int> load_of_;
   std::set<int> uses_trig_;

@@ -14,8 +14,14 @@
 namespace dynwitness::crosscheck {
 namespace {
 
+/// At least log2 n, n not zero.
+int bitsOf(std::uint64_t n) {
+  const int bits = 63 - __builtin_clzll(n);
+  return (n & (n - 1)) == 0 ? bits : bits + 1;  // a power of two, or more
+}
 /// At least log2 |n|, n not zero.
 double bitsOf(const scene::Integer& n) {
+  if (n.backend().size() == 1) return bitsOf(*n.backend().limbs());
   const scene::Integer size = abs(n);
   const auto bits = static_cast<double>(msb(size));
   return lsb(size) == msb(size) ? bits : bits + 1;  // a power of two, or more
@@ -53,13 +59,11 @@ std::uint64_t wordOf(double x) {
 }  // namespace
 
 std::uint64_t FormulaSizes::kept(const Value& value) {
-  const std::uint64_t h = (wordOf(value.degree) * kMix ^ wordOf(value.bits)) * kMix +
-                          static_cast<std::uint64_t>(value.denominator) * kMix;
+  const std::uint64_t h =
+      (wordOf(value.degree) * kMix ^ wordOf(value.bits) ^ value.decimal) * kMix +
+      static_cast<std::uint64_t>(value.denominator) * kMix;
   std::uint32_t& last = lately_[h >> 32 & (lately_.size() - 1)];
-  const Value& other = values_[last];
-  if (other.degree == value.degree && other.bits == value.bits &&
-      other.denominator == value.denominator)
-    return last;
+  if (values_[last] == value) return last;
   const std::uint64_t index = values_.size();
   if (index >> (64 - kOperationBits) != 0)
     throw std::length_error("FormulaSizes: more than 2^28 sizes of formulas");
@@ -221,51 +225,82 @@ int FormulaSizes::constantDivisor(const scene::Integer& n) {
 
 PrimeField FormulaSizes::constant(int value) {
   if (value == 0) return {};
-  int bits = 0;  // as bitsOf()
-  for (std::int64_t n = std::abs(static_cast<std::int64_t>(value)); std::int64_t(1) << bits < n;)
-    ++bits;
-  return made(0, bits, 0);
+  return made(0, bitsOf(static_cast<std::uint64_t>(std::abs(static_cast<std::int64_t>(value)))));
 }
 
 PrimeField FormulaSizes::constant(const scene::Rational& value) {
   if (scene::isZero(value)) return {};
   const double bits = bitsOf(scene::top(value));
-  if (scene::bottom(value) == 1) return made(0, bits, 0);
-  // decimals are what scenes are made of: common powers of 2, 3, 5, and the rest as it is
-  Powers powers;
   scene::Integer rest = scene::bottom(value);
+  std::uint64_t decimal = 0;
   const auto factor = [&](auto& n) {
+    int place = 0;
     for (const int prime : {2, 3, 5}) {
-      int exponent = 0;
-      for (; n % prime == 0; n /= prime) ++exponent;
-      if (exponent > 0) powers.emplace_back(constantDivisor(prime), exponent);
+      for (; n % prime == 0; n /= prime) decimal += std::uint64_t(1) << place;
+      place += Decimal::kField;
     }
   };
+  bool is_left = true;
   if (rest.backend().size() == 1) {
-    auto small = static_cast<std::uint64_t>(rest);
+    std::uint64_t small = *rest.backend().limbs();
     factor(small);
-    rest = small;
+    is_left = small != 1;
+    if (is_left) rest = small;
   } else {
     factor(rest);
+    is_left = rest != 1;
   }
-  if (rest != 1) powers.emplace_back(constantDivisor(rest), 1);
-  std::sort(powers.begin(), powers.end());
-  return made(0, bits, intern(powers));
+  divideBy(decimal);
+  return made(kept({0, bits, decimal, is_left ? intern({{constantDivisor(rest), 1}}) : 0}));
 }
 
 PrimeField FormulaSizes::indeterminate(double weight) {
-  return PrimeField::sizes_->made(weight, 0, 0);
+  return PrimeField::sizes_->made(weight, 0);
+}
+
+std::uint64_t FormulaSizes::Decimal::larger(std::uint64_t a, std::uint64_t b) {
+  // above the fields in which a is not smaller a bit stays, which becomes a field of ones
+  const std::uint64_t not_smaller = ((a | kAbove) - b) & kAbove;
+  const std::uint64_t of_a = not_smaller - (not_smaller >> (kField - 1));
+  return (a & of_a) | (b & ~of_a);
+}
+
+double FormulaSizes::Decimal::bits(std::uint64_t a) {
+  // as bitsOf(2), bitsOf(3), bitsOf(5)
+  return static_cast<double>((a & kExponent) + 2 * (a >> kField & kExponent) +
+                             3 * (a >> 2 * kField & kExponent));
+}
+
+void FormulaSizes::divideBy(std::uint64_t decimal) {
+  for (int prime = 0; prime < 3; ++prime) {
+    const std::uint64_t field = Decimal::kExponent << prime * Decimal::kField;
+    if ((decimal & field) == 0 || (decimals_ & field) != 0) continue;
+    decimals_ |= decimal & field;
+    total_bits_ += prime + 1;
+  }
+}
+
+FormulaSizes::Value FormulaSizes::over(double degree, double bits, std::uint64_t a, std::uint64_t b,
+                                       int denominator) {
+  const std::uint64_t both = a + b;
+  if ((both & Decimal::kAbove) != 0)
+    return {std::numeric_limits<double>::infinity(), bits, 0, denominator};
+  return {degree, bits, both, denominator};
 }
 
 FormulaSizes::Value FormulaSizes::sumOf(const Value& a, const Value& b) {
-  if (a.denominator == b.denominator)
-    return {std::max(a.degree, b.degree), std::max(a.bits, b.bits) + 1, a.denominator};
+  if (a.denominator == b.denominator && a.decimal == b.decimal)
+    return {std::max(a.degree, b.degree), std::max(a.bits, b.bits) + 1, a.decimal, a.denominator};
   const int both = common(a.denominator, b.denominator);
-  const auto& size = denominators_[both].size;
-  const auto& a_size = denominators_[a.denominator].size;
-  const auto& b_size = denominators_[b.denominator].size;
+  const std::uint64_t decimal = Decimal::larger(a.decimal, b.decimal);
+  const auto &size = denominators_[both].size, &a_size = denominators_[a.denominator].size,
+             &b_size = denominators_[b.denominator].size;
   return {size.degree + std::max(a.degree - a_size.degree, b.degree - b_size.degree),
-          size.bits + std::max(a.bits - a_size.bits, b.bits - b_size.bits) + 1, both};
+          size.bits + Decimal::bits(decimal) +
+              std::max(a.bits - a_size.bits - Decimal::bits(a.decimal),
+                       b.bits - b_size.bits - Decimal::bits(b.decimal)) +
+              1,
+          decimal, both};
 }
 
 PrimeField FormulaSizes::sum(PrimeField a, PrimeField b) {
@@ -284,7 +319,9 @@ bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
                                [&](const Power& power) { return power.first == known->second; });
   if (it == powers.end()) return false;
   if (--it->second == 0) powers.erase(it);
-  *out = made(value.degree, value.bits, timesDenominator(valueOf(n).denominator, intern(powers)));
+  const Value by = valueOf(n);
+  *out = made(kept(over(value.degree, value.bits, by.decimal, value.decimal,
+                        timesDenominator(by.denominator, intern(powers)))));
   return true;
 }
 
@@ -294,18 +331,18 @@ PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {
   if (mayDivide(a) && cancelled(a, b, &out)) return out;
   if (mayDivide(b) && cancelled(b, a, &out)) return out;
   const Value &x = valueOf(a), &y = valueOf(b);
-  return made(
-      kept({x.degree + y.degree, x.bits + y.bits, timesDenominator(x.denominator, y.denominator)}));
+  return made(kept(over(x.degree + y.degree, x.bits + y.bits, x.decimal, y.decimal,
+                        timesDenominator(x.denominator, y.denominator))));
 }
 
 PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {
   if (b.isZero()) throw DivisionByZero("division by a formula that is zero");
   if (a.isZero()) return {};
   // (X / E) / (N / F) = X F' / (E' N), with E' / F' = E / F in lowest terms
-  const Value top = valueOf(a);
+  const Value top = valueOf(a), by = valueOf(b);
   Powers below = powersOf(top.denominator);
   double degree = top.degree, bits = top.bits;
-  for (const auto& [divisor, exponent] : powersOf(valueOf(b).denominator)) {
+  for (const auto& [divisor, exponent] : powersOf(by.denominator)) {
     const auto it = std::find_if(below.begin(), below.end(),
                                  [&](const auto& power) { return power.first == divisor; });
     const int cancelled = it == below.end() ? 0 : std::min(it->second, exponent);
@@ -317,7 +354,10 @@ PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {
                              [](const auto& power) { return power.second == 0; }),
               below.end());
   const int numerator_of_b = intern({{divisorOf(b), 1}});
-  return made(degree, bits, timesDenominator(intern(below), numerator_of_b));
+  const std::uint64_t common_decimal = Decimal::smaller(top.decimal, by.decimal);
+  bits += Decimal::bits(by.decimal - common_decimal);
+  return made(kept({degree, bits, top.decimal - common_decimal,
+                    timesDenominator(intern(below), numerator_of_b)}));
 }
 
 double errorProbability(const PrimeField& difference, const FormulaSizes& sizes) {
