@@ -59,9 +59,11 @@ std::uint64_t wordOf(double x) {
 }  // namespace
 
 std::uint64_t FormulaSizes::kept(const Value& value) {
-  const std::uint64_t h =
-      (wordOf(value.degree) * kMix ^ wordOf(value.bits) ^ value.decimal) * kMix +
-      static_cast<std::uint64_t>(value.denominator) * kMix;
+  const auto low = [](int x) { return static_cast<std::uint64_t>(x); };
+  const std::uint64_t exponents =
+      low(value.decimal.two) << 20 ^ low(value.decimal.three) << 10 ^ low(value.decimal.five);
+  const std::uint64_t h = (wordOf(value.degree) * kMix ^ wordOf(value.bits) ^ exponents) * kMix +
+                          low(value.denominator) * kMix;
   std::uint32_t& last = lately_[h >> 32 & (lately_.size() - 1)];
   if (values_[last] == value) return last;
   const std::uint64_t index = values_.size();
@@ -232,13 +234,11 @@ PrimeField FormulaSizes::constant(const scene::Rational& value) {
   if (scene::isZero(value)) return {};
   const double bits = bitsOf(scene::top(value));
   scene::Integer rest = scene::bottom(value);
-  std::uint64_t decimal = 0;
+  Decimal decimal;
   const auto factor = [&](auto& n) {
-    int place = 0;
-    for (const int prime : {2, 3, 5}) {
-      for (; n % prime == 0; n /= prime) decimal += std::uint64_t(1) << place;
-      place += Decimal::kField;
-    }
+    for (; n % 2 == 0; n /= 2) ++decimal.two;
+    for (; n % 3 == 0; n /= 3) ++decimal.three;
+    for (; n % 5 == 0; n /= 5) ++decimal.five;
   };
   bool is_left = true;
   if (rest.backend().size() == 1) {
@@ -258,33 +258,22 @@ PrimeField FormulaSizes::indeterminate(double weight) {
   return PrimeField::sizes_->made(weight, 0);
 }
 
-std::uint64_t FormulaSizes::Decimal::larger(std::uint64_t a, std::uint64_t b) {
-  // above the fields in which a is not smaller a bit stays, which becomes a field of ones
-  const std::uint64_t not_smaller = ((a | kAbove) - b) & kAbove;
-  const std::uint64_t of_a = not_smaller - (not_smaller >> (kField - 1));
-  return (a & of_a) | (b & ~of_a);
-}
-
-double FormulaSizes::Decimal::bits(std::uint64_t a) {
-  // as bitsOf(2), bitsOf(3), bitsOf(5)
-  return static_cast<double>((a & kExponent) + 2 * (a >> kField & kExponent) +
-                             3 * (a >> 2 * kField & kExponent));
-}
-
-void FormulaSizes::divideBy(std::uint64_t decimal) {
-  for (int prime = 0; prime < 3; ++prime) {
-    const std::uint64_t field = Decimal::kExponent << prime * Decimal::kField;
-    if ((decimal & field) == 0 || (decimals_ & field) != 0) continue;
-    decimals_ |= decimal & field;
-    total_bits_ += prime + 1;
+void FormulaSizes::divideBy(const Decimal& decimal) {
+  for (int Decimal::*of : {&Decimal::two, &Decimal::three, &Decimal::five}) {
+    if (decimal.*of == 0 || decimals_.*of != 0) continue;
+    decimals_.*of = 1;
+    Decimal one;
+    one.*of = 1;
+    total_bits_ += one.bits();
   }
 }
 
-FormulaSizes::Value FormulaSizes::over(double degree, double bits, std::uint64_t a, std::uint64_t b,
-                                       int denominator) {
-  const std::uint64_t both = a + b;
-  if ((both & Decimal::kAbove) != 0)
-    return {std::numeric_limits<double>::infinity(), bits, 0, denominator};
+FormulaSizes::Value FormulaSizes::over(double degree, double bits, const Decimal& a,
+                                       const Decimal& b, int denominator) {
+  const Decimal both{a.two + b.two, a.three + b.three, a.five + b.five};
+  constexpr int kMost = 1 << 29;  // of which a sum of two is an int
+  if ((both.two | both.three | both.five) >= kMost)
+    return {std::numeric_limits<double>::infinity(), bits, {}, denominator};
   return {degree, bits, both, denominator};
 }
 
@@ -292,13 +281,15 @@ FormulaSizes::Value FormulaSizes::sumOf(const Value& a, const Value& b) {
   if (a.denominator == b.denominator && a.decimal == b.decimal)
     return {std::max(a.degree, b.degree), std::max(a.bits, b.bits) + 1, a.decimal, a.denominator};
   const int both = common(a.denominator, b.denominator);
-  const std::uint64_t decimal = Decimal::larger(a.decimal, b.decimal);
+  const Decimal decimal{std::max(a.decimal.two, b.decimal.two),
+                        std::max(a.decimal.three, b.decimal.three),
+                        std::max(a.decimal.five, b.decimal.five)};
   const auto &size = denominators_[both].size, &a_size = denominators_[a.denominator].size,
              &b_size = denominators_[b.denominator].size;
   return {size.degree + std::max(a.degree - a_size.degree, b.degree - b_size.degree),
-          size.bits + Decimal::bits(decimal) +
-              std::max(a.bits - a_size.bits - Decimal::bits(a.decimal),
-                       b.bits - b_size.bits - Decimal::bits(b.decimal)) +
+          size.bits + decimal.bits() +
+              std::max(a.bits - a_size.bits - a.decimal.bits(),
+                       b.bits - b_size.bits - b.decimal.bits()) +
               1,
           decimal, both};
 }
@@ -354,10 +345,14 @@ PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {
                              [](const auto& power) { return power.second == 0; }),
               below.end());
   const int numerator_of_b = intern({{divisorOf(b), 1}});
-  const std::uint64_t common_decimal = Decimal::smaller(top.decimal, by.decimal);
-  bits += Decimal::bits(by.decimal - common_decimal);
-  return made(kept({degree, bits, top.decimal - common_decimal,
-                    timesDenominator(intern(below), numerator_of_b)}));
+  Decimal left, taken;  // E', F'
+  for (int Decimal::*of : {&Decimal::two, &Decimal::three, &Decimal::five}) {
+    const int both = std::min(top.decimal.*of, by.decimal.*of);
+    left.*of = top.decimal.*of - both;
+    taken.*of = by.decimal.*of - both;
+  }
+  return made(
+      kept({degree, bits + taken.bits(), left, timesDenominator(intern(below), numerator_of_b)}));
 }
 
 double errorProbability(const PrimeField& difference, const FormulaSizes& sizes) {

@@ -50,27 +50,23 @@ class FormulaSizes {
   struct Size {
     double degree, bits;
   };
+  /// 2^two 3^three 5^five: what decimals, of which scenes are made, have in their denominators.
+  struct Decimal {
+    int two = 0, three = 0, five = 0;
+    double bits() const { return 1.0 * two + 2.0 * three + 3.0 * five; }  ///< as sizes of divisors
+    friend bool operator==(const Decimal& a, const Decimal& b) {
+      return a.two == b.two && a.three == b.three && a.five == b.five;
+    }
+  };
   /// Numerator and denominator of a value.
   struct Value {
     double degree = 0, bits = 0;
-    std::uint64_t decimal = 0;  ///< 2^a 3^b 5^c of the denominator: Decimal
-    int denominator = 0;        ///< the rest of it, index into denominators_; 0 is 1
+    Decimal decimal = {};  ///< of the denominator
+    int denominator = 0;   ///< the rest of it, index into denominators_; 0 is 1
     friend bool operator==(const Value& a, const Value& b) {
       return a.degree == b.degree && a.bits == b.bits && a.decimal == b.decimal &&
              a.denominator == b.denominator;
     }
-  };
-  /// What decimals, of which scenes are made, have in their denominators: the exponents of 2, 3 and 5
-  /// in one word, 20 bits each, and above each one that tells when they were too few.
-  struct Decimal {
-    static constexpr int kField = 21;
-    static constexpr std::uint64_t kExponent = (std::uint64_t(1) << (kField - 1)) - 1;
-    static constexpr std::uint64_t kOnes = 1 | std::uint64_t(1) << kField |
-                                           std::uint64_t(1) << 2 * kField,
-                                   kAbove = kOnes << (kField - 1);
-    static std::uint64_t larger(std::uint64_t a, std::uint64_t b);
-    static std::uint64_t smaller(std::uint64_t a, std::uint64_t b) { return a + b - larger(a, b); }
-    static double bits(std::uint64_t a);
   };
   const Value& valueOf(PrimeField a) const { return values_[indexOf(a)]; }
 
@@ -114,7 +110,7 @@ class FormulaSizes {
   static std::uint64_t operationOf(PrimeField a) { return a.word_ & kOperation; }
 
   PrimeField made(std::uint64_t index);  ///< the value of a new operation
-  PrimeField made(double degree, double bits) { return made(kept({degree, bits, 0, 0})); }
+  PrimeField made(double degree, double bits) { return made(kept({degree, bits})); }
   std::uint64_t kept(const Value& value);  ///< its index
 
   /// Of the powers that stand from `begin` on at the end of powers_, which are taken off again where
@@ -135,10 +131,11 @@ class FormulaSizes {
     return may_divide_.test(operationOf(n) % may_divide_.size());
   }
   Value sumOf(const Value& a, const Value& b);
-  /// With both denominators multiplied, their decimals given; infinite where 20 bits are too few.
-  Value over(double degree, double bits, std::uint64_t a, std::uint64_t b, int denominator);
+  /// Over the product of both decimals; infinite where an int is too small for it.
+  static Value over(double degree, double bits, const Decimal& a, const Decimal& b,
+                    int denominator);
   int constantDivisor(const scene::Integer& n);
-  void divideBy(std::uint64_t decimal);  ///< counts those of 2, 3, 5 that are new among divisors
+  void divideBy(const Decimal& decimal);  ///< counts those of 2, 3, 5 that are new among divisors
 
   FormulaSizes* outer_;
   std::vector<Value> values_;          ///< 0 is the size of zero
@@ -151,7 +148,7 @@ class FormulaSizes {
   std::unordered_map<std::uint64_t, int> divisor_of_operation_;
   std::bitset<1 << 14> may_divide_;  ///< by the last bits of the operation
   std::map<scene::Integer, int> constants_;
-  std::uint64_t decimals_ = 0;  ///< those of 2, 3, 5 that were divided by
+  Decimal decimals_;  ///< those of 2, 3, 5 that were divided by
   std::uint64_t operations_ = 0;
   double total_degree_ = 0, total_bits_ = 0;
 };
