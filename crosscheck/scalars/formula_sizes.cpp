@@ -59,13 +59,13 @@ std::uint64_t wordOf(double x) {
 }  // namespace
 
 std::uint64_t FormulaSizes::kept(const Value& value) {
-  const auto low = [](int x) { return static_cast<std::uint64_t>(x); };
-  const std::uint64_t exponents =
-      low(value.decimal.two) << 20 ^ low(value.decimal.three) << 10 ^ low(value.decimal.five);
-  const std::uint64_t h = (wordOf(value.degree) * kMix ^ wordOf(value.bits) ^ exponents) * kMix +
-                          low(value.denominator) * kMix;
+  const std::uint64_t h = (wordOf(value.degree) * kMix ^ wordOf(value.bits)) * kMix +
+                          static_cast<std::uint64_t>(value.denominator) * kMix;
   std::uint32_t& last = lately_[h >> 32 & (lately_.size() - 1)];
-  if (values_[last] == value) return last;
+  const Value& other = values_[last];
+  if (other.degree == value.degree && other.bits == value.bits &&
+      other.denominator == value.denominator)
+    return last;
   const std::uint64_t index = values_.size();
   if (index >> (64 - kOperationBits) != 0)
     throw std::length_error("FormulaSizes: more than 2^28 sizes of formulas");
@@ -108,8 +108,8 @@ int& FormulaSizes::OfTwo::operator()(int a, int b) {
 std::uint64_t FormulaSizes::hashOf(std::size_t begin, std::size_t end) const {
   std::uint64_t h = end - begin;
   for (std::size_t i = begin; i < end; ++i)
-    h = (h ^ (static_cast<std::uint64_t>(powers_[i].first) << 32 |
-              static_cast<std::uint32_t>(powers_[i].second))) *
+    h = (h ^ static_cast<std::uint64_t>(powers_[i].first) << 32 ^
+         static_cast<std::uint64_t>(powers_[i].second)) *
         kMix;
   return h ^ (h >> 32);
 }
@@ -131,8 +131,8 @@ int FormulaSizes::intern(std::size_t begin) {
   Size size{0, 0};
   for (std::size_t i = begin; i < end; ++i) {
     const auto& [divisor, exponent] = powers_[i];
-    size.degree += exponent * divisors_[divisor].degree;
-    size.bits += exponent * divisors_[divisor].bits;
+    size.degree += static_cast<double>(exponent) * divisors_[divisor].degree;
+    size.bits += static_cast<double>(exponent) * divisors_[divisor].bits;
   }
   const auto added = static_cast<int>(denominators_.size());
   denominators_.push_back({begin, end, size});
@@ -227,71 +227,48 @@ int FormulaSizes::constantDivisor(const scene::Integer& n) {
 
 PrimeField FormulaSizes::constant(int value) {
   if (value == 0) return {};
-  return made(0, bitsOf(static_cast<std::uint64_t>(std::abs(static_cast<std::int64_t>(value)))));
+  return made(0, bitsOf(static_cast<std::uint64_t>(std::abs(static_cast<std::int64_t>(value)))), 0);
 }
 
 PrimeField FormulaSizes::constant(const scene::Rational& value) {
   if (scene::isZero(value)) return {};
   const double bits = bitsOf(scene::top(value));
+  if (scene::bottom(value) == 1) return made(0, bits, 0);
+  // decimals are what scenes are made of: common powers of 2, 3, 5, and the rest as it is
+  Powers powers;
   scene::Integer rest = scene::bottom(value);
-  Decimal decimal;
   const auto factor = [&](auto& n) {
-    for (; n % 2 == 0; n /= 2) ++decimal.two;
-    for (; n % 3 == 0; n /= 3) ++decimal.three;
-    for (; n % 5 == 0; n /= 5) ++decimal.five;
+    for (const int prime : {2, 3, 5}) {
+      int exponent = 0;
+      for (; n % prime == 0; n /= prime) ++exponent;
+      if (exponent > 0) powers.emplace_back(constantDivisor(prime), exponent);
+    }
   };
-  bool is_left = true;
   if (rest.backend().size() == 1) {
-    std::uint64_t small = *rest.backend().limbs();
+    auto small = static_cast<std::uint64_t>(rest);
     factor(small);
-    is_left = small != 1;
-    if (is_left) rest = small;
+    rest = small;
   } else {
     factor(rest);
-    is_left = rest != 1;
   }
-  divideBy(decimal);
-  return made(kept({0, bits, decimal, is_left ? intern({{constantDivisor(rest), 1}}) : 0}));
+  if (rest != 1) powers.emplace_back(constantDivisor(rest), 1);
+  std::sort(powers.begin(), powers.end());
+  return made(0, bits, intern(powers));
 }
 
 PrimeField FormulaSizes::indeterminate(double weight) {
-  return PrimeField::sizes_->made(weight, 0);
-}
-
-void FormulaSizes::divideBy(const Decimal& decimal) {
-  for (int Decimal::*of : {&Decimal::two, &Decimal::three, &Decimal::five}) {
-    if (decimal.*of == 0 || decimals_.*of != 0) continue;
-    decimals_.*of = 1;
-    Decimal one;
-    one.*of = 1;
-    total_bits_ += one.bits();
-  }
-}
-
-FormulaSizes::Value FormulaSizes::over(double degree, double bits, const Decimal& a,
-                                       const Decimal& b, int denominator) {
-  const Decimal both{a.two + b.two, a.three + b.three, a.five + b.five};
-  constexpr int kMost = 1 << 29;  // of which a sum of two is an int
-  if ((both.two | both.three | both.five) >= kMost)
-    return {std::numeric_limits<double>::infinity(), bits, {}, denominator};
-  return {degree, bits, both, denominator};
+  return PrimeField::sizes_->made(weight, 0, 0);
 }
 
 FormulaSizes::Value FormulaSizes::sumOf(const Value& a, const Value& b) {
-  if (a.denominator == b.denominator && a.decimal == b.decimal)
-    return {std::max(a.degree, b.degree), std::max(a.bits, b.bits) + 1, a.decimal, a.denominator};
+  if (a.denominator == b.denominator)
+    return {std::max(a.degree, b.degree), std::max(a.bits, b.bits) + 1, a.denominator};
   const int both = common(a.denominator, b.denominator);
-  const Decimal decimal{std::max(a.decimal.two, b.decimal.two),
-                        std::max(a.decimal.three, b.decimal.three),
-                        std::max(a.decimal.five, b.decimal.five)};
-  const auto &size = denominators_[both].size, &a_size = denominators_[a.denominator].size,
-             &b_size = denominators_[b.denominator].size;
+  const auto& size = denominators_[both].size;
+  const auto& a_size = denominators_[a.denominator].size;
+  const auto& b_size = denominators_[b.denominator].size;
   return {size.degree + std::max(a.degree - a_size.degree, b.degree - b_size.degree),
-          size.bits + decimal.bits() +
-              std::max(a.bits - a_size.bits - a.decimal.bits(),
-                       b.bits - b_size.bits - b.decimal.bits()) +
-              1,
-          decimal, both};
+          size.bits + std::max(a.bits - a_size.bits, b.bits - b_size.bits) + 1, both};
 }
 
 PrimeField FormulaSizes::sum(PrimeField a, PrimeField b) {
@@ -310,9 +287,7 @@ bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
                                [&](const Power& power) { return power.first == known->second; });
   if (it == powers.end()) return false;
   if (--it->second == 0) powers.erase(it);
-  const Value by = valueOf(n);
-  *out = made(kept(over(value.degree, value.bits, by.decimal, value.decimal,
-                        timesDenominator(by.denominator, intern(powers)))));
+  *out = made(value.degree, value.bits, timesDenominator(valueOf(n).denominator, intern(powers)));
   return true;
 }
 
@@ -322,37 +297,30 @@ PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {
   if (mayDivide(a) && cancelled(a, b, &out)) return out;
   if (mayDivide(b) && cancelled(b, a, &out)) return out;
   const Value &x = valueOf(a), &y = valueOf(b);
-  return made(kept(over(x.degree + y.degree, x.bits + y.bits, x.decimal, y.decimal,
-                        timesDenominator(x.denominator, y.denominator))));
+  return made(
+      kept({x.degree + y.degree, x.bits + y.bits, timesDenominator(x.denominator, y.denominator)}));
 }
 
 PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {
   if (b.isZero()) throw DivisionByZero("division by a formula that is zero");
   if (a.isZero()) return {};
   // (X / E) / (N / F) = X F' / (E' N), with E' / F' = E / F in lowest terms
-  const Value top = valueOf(a), by = valueOf(b);
+  const Value top = valueOf(a);
   Powers below = powersOf(top.denominator);
   double degree = top.degree, bits = top.bits;
-  for (const auto& [divisor, exponent] : powersOf(by.denominator)) {
+  for (const auto& [divisor, exponent] : powersOf(valueOf(b).denominator)) {
     const auto it = std::find_if(below.begin(), below.end(),
                                  [&](const auto& power) { return power.first == divisor; });
-    const int cancelled = it == below.end() ? 0 : std::min(it->second, exponent);
+    const std::int64_t cancelled = it == below.end() ? 0 : std::min(it->second, exponent);
     if (cancelled > 0) it->second -= cancelled;
-    degree += (exponent - cancelled) * divisors_[divisor].degree;
-    bits += (exponent - cancelled) * divisors_[divisor].bits;
+    degree += static_cast<double>(exponent - cancelled) * divisors_[divisor].degree;
+    bits += static_cast<double>(exponent - cancelled) * divisors_[divisor].bits;
   }
   below.erase(std::remove_if(below.begin(), below.end(),
                              [](const auto& power) { return power.second == 0; }),
               below.end());
   const int numerator_of_b = intern({{divisorOf(b), 1}});
-  Decimal left, taken;  // E', F'
-  for (int Decimal::*of : {&Decimal::two, &Decimal::three, &Decimal::five}) {
-    const int both = std::min(top.decimal.*of, by.decimal.*of);
-    left.*of = top.decimal.*of - both;
-    taken.*of = by.decimal.*of - both;
-  }
-  return made(
-      kept({degree, bits + taken.bits(), left, timesDenominator(intern(below), numerator_of_b)}));
+  return made(degree, bits, timesDenominator(intern(below), numerator_of_b));
 }
 
 double errorProbability(const PrimeField& difference, const FormulaSizes& sizes) {

@@ -50,23 +50,10 @@ class FormulaSizes {
   struct Size {
     double degree, bits;
   };
-  /// 2^two 3^three 5^five: what decimals, of which scenes are made, have in their denominators.
-  struct Decimal {
-    int two = 0, three = 0, five = 0;
-    double bits() const { return 1.0 * two + 2.0 * three + 3.0 * five; }  ///< as sizes of divisors
-    friend bool operator==(const Decimal& a, const Decimal& b) {
-      return a.two == b.two && a.three == b.three && a.five == b.five;
-    }
-  };
   /// Numerator and denominator of a value.
   struct Value {
     double degree = 0, bits = 0;
-    Decimal decimal = {};  ///< of the denominator
-    int denominator = 0;   ///< the rest of it, index into denominators_; 0 is 1
-    friend bool operator==(const Value& a, const Value& b) {
-      return a.degree == b.degree && a.bits == b.bits && a.decimal == b.decimal &&
-             a.denominator == b.denominator;
-    }
+    int denominator = 0;  ///< index into denominators_; 0 is 1
   };
   const Value& valueOf(PrimeField a) const { return values_[indexOf(a)]; }
 
@@ -77,7 +64,8 @@ class FormulaSizes {
   /// @throws DivisionByZero when b is the polynomial 0
   PrimeField quotient(PrimeField a, PrimeField b);
 
-  using Power = std::pair<int, int>;  ///< (divisor, exponent > 0)
+  /// (divisor, exponent > 0): formulas of 26 rates have exponents that come near the largest int.
+  using Power = std::pair<int, std::int64_t>;
   using Powers = std::vector<Power>;  ///< in the order of divisors
   /// Its powers stand in powers_.
   struct Denominator {
@@ -110,7 +98,9 @@ class FormulaSizes {
   static std::uint64_t operationOf(PrimeField a) { return a.word_ & kOperation; }
 
   PrimeField made(std::uint64_t index);  ///< the value of a new operation
-  PrimeField made(double degree, double bits) { return made(kept({degree, bits})); }
+  PrimeField made(double degree, double bits, int denominator) {
+    return made(kept({degree, bits, denominator}));
+  }
   std::uint64_t kept(const Value& value);  ///< its index
 
   /// Of the powers that stand from `begin` on at the end of powers_, which are taken off again where
@@ -131,11 +121,7 @@ class FormulaSizes {
     return may_divide_.test(operationOf(n) % may_divide_.size());
   }
   Value sumOf(const Value& a, const Value& b);
-  /// Over the product of both decimals; infinite where an int is too small for it.
-  static Value over(double degree, double bits, const Decimal& a, const Decimal& b,
-                    int denominator);
   int constantDivisor(const scene::Integer& n);
-  void divideBy(const Decimal& decimal);  ///< counts those of 2, 3, 5 that are new among divisors
 
   FormulaSizes* outer_;
   std::vector<Value> values_;          ///< 0 is the size of zero
@@ -148,7 +134,6 @@ class FormulaSizes {
   std::unordered_map<std::uint64_t, int> divisor_of_operation_;
   std::bitset<1 << 14> may_divide_;  ///< by the last bits of the operation
   std::map<scene::Integer, int> constants_;
-  Decimal decimals_;  ///< those of 2, 3, 5 that were divided by
   std::uint64_t operations_ = 0;
   double total_degree_ = 0, total_bits_ = 0;
 };
