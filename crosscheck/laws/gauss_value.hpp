@@ -50,7 +50,7 @@ recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
       column[j] = j == i ? -1 : j > i && p >= i && column[p] != -2 ? m : -2;
       if (column[j] >= 0) m += axisCount(model.links[j].kind);
     }
-    // a_j as a function of those of (a, u, 1) that move it, and G with it: H, its last column being g
+    // a_j as a function of those of (a, u, 1) that move it, and G with it: H, its last column g
     const int size = 6 + m;
     std::vector<Matrix> A(links);
     std::vector<std::vector<int>> movers(links);  // of each column of A_j, the last that of 1

@@ -103,8 +103,8 @@ class FormulaSizes {
   }
   std::uint64_t kept(const Value& value);  ///< its index
 
-  /// Of the powers that stand from `begin` on at the end of powers_, which are taken off again where
-  /// they are known.
+  /// Of the powers from `begin` on at the end of powers_, which are taken off again where they are
+  /// known.
   int intern(std::size_t begin);
   int intern(const Powers& powers);
   Powers powersOf(int denominator) const;
