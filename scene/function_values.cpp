@@ -228,10 +228,14 @@ Integer powerOfTen(unsigned n) {
 
 Bracket bracket(const Exact& x, unsigned bits) {
   if (x.pi_multiple.is_zero()) return {x.rational, x.rational};
+  // over one denominator: lowest terms are looked for once
   const Integer middle = scaledPi(bits), scale = Integer(1) << bits;
-  const Rational a = x.rational + x.pi_multiple * Rational(middle - 1, scale);
-  const Rational b = x.rational + x.pi_multiple * Rational(middle + 1, scale);
-  return {std::min(a, b), std::max(a, b)};
+  const Integer n = numerator(x.rational), d = denominator(x.rational);
+  const Integer pi_n = numerator(x.pi_multiple), pi_d = denominator(x.pi_multiple);
+  const Integer whole = n * pi_d * scale, part = pi_n * d, bottom = d * pi_d * scale;
+  const Rational a(Integer(whole + part * (middle - 1)), bottom);
+  const Rational b(Integer(whole + part * (middle + 1)), bottom);
+  return pi_n.sign() < 0 ? Bracket{b, a} : Bracket{a, b};
 }
 
 FixedSineCosine fixedSineCosine(const Exact& angle, unsigned bits) {

@@ -114,7 +114,7 @@ std::vector<Asked> closureResiduals(BodyTree& tree, Equations& e) {
 }
 
 /// What is asked with its derivatives along the motion.
-ClosureEquations differentiated(const std::vector<Asked>& asked, Equations& e) {
+ClosureEquations differentiated(const std::vector<Asked>& asked, Equations& e, bool with_gamma) {
   Graph& graph = e.graph;
   ClosureEquations closures;
   std::vector<Variable> rates;
@@ -129,27 +129,29 @@ ClosureEquations differentiated(const std::vector<Asked>& asked, Equations& e) {
     }
     closures.phi.push_back(one.function.node);
     closures.J.push_back(positionGradient(e, one.function.node));
+    if (!with_gamma) continue;
     Node rate;
     for (int i = 0; i < e.dof(); ++i)
       rate =
           graph.add(rate, graph.multiply(closures.J.back()[i], graph.input(Input::kVelocity, i)));
     rate_of_each.push_back(rate);
   }
-  closures.gamma = graph.directionalDerivative(rate_of_each, motion(e));
+  if (with_gamma) closures.gamma = graph.directionalDerivative(rate_of_each, motion(e));
   return closures;
 }
 
 }  // namespace
 
 ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
-                                  Equations& e) {
+                                  Equations& e, bool with_gamma) {
   if (mechanism.closures.empty()) return {};
   BodyTree tree(mechanism, options, &e.graph);
-  return differentiated(closureResiduals(tree, e), e);
+  return differentiated(closureResiduals(tree, e), e, with_gamma);
 }
 
 ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options& options,
-                                const std::vector<scene::Attachment>& frames, Equations& e) {
+                                const std::vector<scene::Attachment>& frames, Equations& e,
+                                bool with_gamma) {
   if (frames.empty()) return {};
   BodyTree tree(mechanism, options, &e.graph);
   std::vector<Asked> components;
@@ -158,7 +160,7 @@ ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options
     for (const Vector3& v : {frame.p_AB, frame.columns[0], frame.columns[1], frame.columns[2]})
       for (const Value& x : v) components.push_back({x});
   }
-  return differentiated(components, e);
+  return differentiated(components, e, with_gamma);
 }
 
 }  // namespace dynwitness::symbolic

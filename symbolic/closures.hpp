@@ -25,13 +25,15 @@ struct ClosureEquations {
 
 /** Adds the closures to the graph of `equations`, which derive() made of the same mechanism with
     the same options: phi as scene::Closure has it, from the places of both frames in the world,
-    the rest by differentiating it. */
+    the rest by differentiating it.
+    @param with_gamma  false leaves gamma empty */
 ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
-                                  Equations& equations);
+                                  Equations& equations, bool with_gamma = true);
 
 /// The same for the places of frames in the world: twelve functions a frame, the components of its
 /// origin and of its x, y and z axis.
 ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options& options,
-                                const std::vector<scene::Attachment>& frames, Equations& equations);
+                                const std::vector<scene::Attachment>& frames, Equations& equations,
+                                bool with_gamma = true);
 
 }  // namespace dynwitness::symbolic

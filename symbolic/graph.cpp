@@ -81,7 +81,7 @@ Node Graph::intern(Op op, int joint, int a, int b, bool depends_on_state) {
 }
 
 void Graph::growBuckets() {
-  buckets_.assign(2 * buckets_.size(), 0);
+  buckets_.assign(4 * buckets_.size(), 0);
   const std::size_t mask = buckets_.size() - 1;
   for (int i = 1; i < size(); ++i) {
     std::size_t at = hashOf(entries_[i]) & mask;
@@ -150,23 +150,33 @@ Graph::Scaled Graph::scaled(Node n) const {
 
 Node Graph::scale(const Rational& factor, Node n) {
   if (scene::isZero(factor) || isZero(n)) return {};
-  if (isUnit(factor) && !isNegative(factor)) return n;
+  if (isUnit(factor)) return isNegative(factor) ? negate(n) : n;
   if (isConstant(n)) return constant(factor * value(n));
-  const Scaled inner = scaled(n);
-  const Rational f = isUnit(inner.factor) ? (isNegative(inner.factor) ? Rational(-factor) : factor)
-                                          : Rational(factor * inner.factor);
-  if (scene::isZero(f)) return {};
-  if (isUnit(f)) return isNegative(f) ? operation(Op::kNegate, inner.node, {}) : inner.node;
-  const Node x = inner.node;
-  if (op(x) == Op::kMultiply && dependsOnState(x) && !dependsOnState(left(x)))
-    return multiply(scale(f, left(x)), right(x));
+  bool negative = false;
+  Node x = withoutSign(n, &negative);
+  // most nodes have no factor of their own: no rational is made for them
+  Rational with_own;
+  const Rational* f = &factor;
+  if (op(x) == Op::kMultiply && isConstant(left(x))) {
+    with_own = factor * value(left(x));
+    x = right(x);
+    f = &with_own;
+  }
+  if (isNegative(*f)) negative = !negative;
+  if (isUnit(*f)) return negative ? operation(Op::kNegate, x, {}) : x;
+  if (op(x) == Op::kMultiply && dependsOnState(x) && !dependsOnState(left(x))) {
+    const bool flips = isNegative(*f) != negative;
+    const Node scaled_left = scale(*f, left(x));
+    return multiply(flips ? negate(scaled_left) : scaled_left, right(x));
+  }
   // the sign stays outside, where the next sum or product takes it up
-  const bool negative = isNegative(f);
-  const Node product = operation(Op::kMultiply, constant(negative ? Rational(-f) : f), x);
+  const Node size = isNegative(*f) ? constant(-*f) : constant(*f);
+  const Node product = operation(Op::kMultiply, size, x);
   return negative ? operation(Op::kNegate, product, {}) : product;
 }
 
 Node Graph::negate(Node a) {
+  if (isZero(a)) return a;  // without a rational for it, as above
   if (isConstant(a)) return constant(-value(a));
   if (op(a) == Op::kNegate) return left(a);
   return operation(Op::kNegate, a, {});
@@ -248,18 +258,17 @@ Node Graph::multiply(Node a, Node b) {
     result = multiply(multiply(a, left(b)), right(b));
   } else {
     if (dependsOnState(a) == dependsOnState(b) && b < a) std::swap(a, b);
-    const bool both_fixed = !dependsOnState(a) && !dependsOnState(b);
-    const Scaled scaled_a = both_fixed ? scaled(a) : Scaled{1, a};
-    const Scaled scaled_b = both_fixed ? scaled(b) : Scaled{1, b};
-    const Rational factor = both_fixed ? Rational(scaled_a.factor * scaled_b.factor) : Rational(1);
-    if (!isUnit(factor) || isNegative(factor)) {
-      result = scale(factor, multiply(scaled_a.node, scaled_b.node));
-    } else if (op(a) == Op::kInverse && left(a) == b) {
-      result = constant(1);
-    } else if (op(b) == Op::kInverse && left(b) == a) {
-      result = constant(1);
-    } else {
-      result = operation(Op::kMultiply, a, b);
+    const auto plain = [&] {
+      const bool are_inverse =
+          (op(a) == Op::kInverse && left(a) == b) || (op(b) == Op::kInverse && left(b) == a);
+      return are_inverse ? Node{1} : operation(Op::kMultiply, a, b);
+    };
+    const Node x = withoutFactor(*this, a), y = withoutFactor(*this, b);
+    if (dependsOnState(a) || dependsOnState(b) || (x == a && y == b)) {
+      result = plain();
+    } else {  // 2 x (y / 2) stays as it is
+      const Rational factor = scaled(a).factor * scaled(b).factor;
+      result = isUnit(factor) && !isNegative(factor) ? plain() : scale(factor, multiply(x, y));
     }
   }
   return negative ? negate(result) : result;
@@ -337,7 +346,14 @@ std::vector<int> Graph::below(const std::vector<Node>& nodes) const {
     if (operands > 0) reach(entries_[i].a);
     if (operands > 1) reach(entries_[i].b);
   }
-  std::sort(result.begin(), result.end());
+  // many are found in order faster than they are sorted
+  if (16 * result.size() < reached.size()) {
+    std::sort(result.begin(), result.end());
+    return result;
+  }
+  result.clear();
+  for (int i = 0; i <= last; ++i)
+    if (reached[i] != 0) result.push_back(i);
   return result;
 }
 
@@ -365,8 +381,16 @@ std::vector<Node> Graph::directionalDerivative(const std::vector<Node>& nodes,
     if (isZero(dq)) return carried;
     return add(carried, multiply(dq, turn(k, b, negate(a))));
   };
+  // along one rate of many most nodes rest: whatever has no angle of its own and only what rests
+  const auto rests = [&](Node n) {
+    const int operands = operandCount(n);
+    return operands > 0 && isZero(d[left(n).index]) &&
+           (operands == 1 || isZero(d[right(n).index])) &&
+           (op(n) != Op::kTurn || isZero(speedOf(Input::kPosition, joint(n))));
+  };
   for (int i : order) {
     const Node n{i};
+    if (rests(n)) continue;
     const Node a = left(n), b = right(n);
     switch (op(n)) {
       case Op::kConstant:
@@ -474,7 +498,7 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
         send(a, negate(multiply(multiply(m, m), lambda)));
         break;
       case Op::kInput: {
-        const Node slope = isTrig(m) ? trigDerivative(m) : constant(1);
+        const Node slope = isTrig(m) ? trigDerivative(m) : Node{1};
         results[variableOf(m)].push_back(multiply(lambda, slope));
         break;
       }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "symbolic/program.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -12,6 +13,12 @@ namespace {
 /// The slot of each operation; -1 where there is none yet.
 class Emitted {
  public:
+  /// Room for so many operations without looking for places anew; before the first.
+  void expect(std::size_t operations) {
+    std::size_t size = known_.size();
+    while (size < 2 * operations) size *= 2;
+    known_.resize(size, kEmpty);
+  }
   int& operator[](Program::Instruction i) {
     if (2 * count_ >= known_.size()) grow();
     i.result = -1;
@@ -52,11 +59,13 @@ class Emitted {
 /// that uses it.
 class Compiler {
  public:
-  Compiler(const Graph& graph, const std::vector<Node>& outputs) : graph_(graph) {
+  Compiler(const Graph& graph, const std::vector<Node>& outputs)
+      : graph_(graph), next_name_(graph.names().begin()) {
     for (Node n : outputs) need(n);
     collect();
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
-      if (needed_[i] && graph_.operandCount({i}) > 0 && graph_.op({i}) != Op::kNegate) lower({i});
+    emitted_.expect(order_.size());
+    for (const int i : order_)
+      if (graph_.operandCount({i}) > 0 && graph_.op({i}) != Op::kNegate) lower({i});
     for (Node n : outputs) program_.outputs.push_back(outputSlot(n));
   }
 
@@ -81,37 +90,39 @@ class Compiler {
   void collect() {
     for (int i = static_cast<int>(needed_.size()) - 1; i >= 0; --i) {
       if (!needed_[i]) continue;
+      order_.push_back(i);
       const Node n{i};
-      if (graph_.operandCount(n) > 0) need(graph_.left(n));
-      if (graph_.operandCount(n) > 1) need(graph_.right(n));
+      const int operands = graph_.operandCount(n);
+      if (operands > 0) need(graph_.left(n));
+      if (operands > 1) need(graph_.right(n));
       if (graph_.op(n) == Op::kTurn) uses_trig_.insert(graph_.joint(n));
     }
-    slot_of_.assign(graph_.size(), -1);
+    std::reverse(order_.begin(), order_.end());
+    slot_of_.assign(needed_.size(), -1);
     program_.constants.push_back(1);  // slot 0, which inverses read
-    newSlot("");
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i) {
-      if (!needed_[i] || !graph_.isConstant({i})) continue;
+    newSlot();
+    for (const int i : order_) {
+      if (!graph_.isConstant({i})) continue;
       if (graph_.isOne({i})) {
         slot_of_[i] = 0;
         continue;
       }
       program_.constants.push_back(graph_.value({i}));
-      slot_of_[i] = newSlot("");
+      slot_of_[i] = newSlot();
     }
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i) {
-      if (!needed_[i] || graph_.op({i}) != Op::kAtom) continue;
+    for (const int i : order_) {
+      if (graph_.op({i}) != Op::kAtom) continue;
       program_.atoms.push_back(graph_.atom(Node{i}));
       slot_of_[i] = newSlot(graph_.atom(Node{i}).name);
     }
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
-      if (needed_[i] && graph_.op({i}) == Op::kInput)
-        load(graph_.inputKind({i}), graph_.joint({i}));
+    for (const int i : order_)
+      if (graph_.op({i}) == Op::kInput) load(graph_.inputKind({i}), graph_.joint({i}));
     for (int joint : uses_trig_) {
       load(Input::kCos, joint);
       load(Input::kSin, joint);
     }
-    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
-      if (needed_[i] && graph_.op({i}) == Op::kInput)
+    for (const int i : order_)
+      if (graph_.op({i}) == Op::kInput)
         slot_of_[i] = load(graph_.inputKind({i}), graph_.joint({i}));
   }
 
@@ -119,11 +130,21 @@ class Compiler {
     program_.slot_names.push_back(name);
     return static_cast<int>(program_.slot_names.size()) - 1;
   }
+  int newSlot() {
+    program_.slot_names.emplace_back();
+    return static_cast<int>(program_.slot_names.size()) - 1;
+  }
+  /// Of nodes that are asked for in their order; null for those without a name.
+  const std::string* nameOf(int node) {
+    const std::map<int, std::string>& names = graph_.names();
+    while (next_name_ != names.end() && next_name_->first < node) ++next_name_;
+    return next_name_ != names.end() && next_name_->first == node ? &next_name_->second : nullptr;
+  }
 
   int load(Input input, int joint) {
     const auto [it, is_new] = load_of_.emplace(std::make_pair(input, joint), 0);
     if (is_new) {
-      it->second = newSlot("");
+      it->second = newSlot();
       program_.loads.push_back({input, joint, it->second});
     }
     return it->second;
@@ -134,12 +155,13 @@ class Compiler {
     return {slot_of_[n.index], false};
   }
 
-  int emit(Program::Code code, int a, int b, bool in_body, const std::string& name = "") {
+  /// @param name  may be null
+  int emit(Program::Code code, int a, int b, bool in_body, const std::string* name = nullptr) {
     const bool commutes = code == Program::Code::kAdd || code == Program::Code::kMultiply;
     if (commutes && b < a) std::swap(a, b);
     int& slot = emitted_[{code, 0, a, b}];
     if (slot < 0) {
-      slot = newSlot(name);
+      slot = name ? newSlot(*name) : newSlot();
       (in_body ? program_.body : program_.prologue).push_back({code, slot, a, b});
     }
     return slot;
@@ -147,7 +169,7 @@ class Compiler {
 
   void lower(Node n) {
     const bool in_body = graph_.dependsOnState(n);
-    const std::string& name = graph_.name(n);
+    const std::string* name = nameOf(n.index);
     const Signed a = value(graph_.left(n));
     const Signed b = graph_.operandCount(n) > 1 ? value(graph_.right(n)) : Signed{0, false};
     int& slot = slot_of_[n.index];
@@ -187,9 +209,11 @@ class Compiler {
   const Graph& graph_;
   Program program_;
   std::vector<char> needed_;
+  std::vector<int> order_;  ///< of the nodes that are needed
   std::vector<int> slot_of_;
   std::map<std::pair<Input, int>, int> load_of_;
   std::set<int> uses_trig_;
+  std::map<int, std::string>::const_iterator next_name_;
   Emitted emitted_;
 };
 

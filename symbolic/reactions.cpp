@@ -145,8 +145,8 @@ Reactions reactionsAlong(const scene::Mechanism& mechanism, const Options& optio
   for (scene::Attachment& frame : let_go) frame.link = cut.link[frame.link];
   Equations e = deriveForInverseDynamics(cut.mechanism, options);
   const std::vector<Node> all = inverseDynamics(e);
-  const ClosureEquations closures = closureEquations(cut.mechanism, options, e),
-                         places = frameEquations(cut.mechanism, options, let_go, e);
+  const ClosureEquations closures = closureEquations(cut.mechanism, options, e, false),
+                         places = frameEquations(cut.mechanism, options, let_go, e, false);
   Reactions out;
   Closed closed(e.graph, cut, &out.graph);
   const auto ofCuts = [&](const std::vector<Node>& row) {

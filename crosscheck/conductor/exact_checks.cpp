@@ -5,6 +5,7 @@
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/exact/point_checks.hpp"
 #include "crosscheck/exact/regressor_checks.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
@@ -16,11 +17,16 @@ std::vector<CheckResult> exactChecks(const PreparedScene& prepared, const ExactO
   scene::Work work("", 6);
   std::vector<CheckResult> checks =
       decide(scene, both(comparisonInquiry(witnesses), identityInquiry(scene.mechanism)), options);
-  for (const auto more : {checkPointsExactly, checkDerivativesExactly, checkClosuresExactly,
-                          checkRegressorExactly, checkConstrainedExactly}) {
+  const auto add = [&](const std::vector<CheckResult>& more) {
     work.done();
-    for (const CheckResult& check : more(scene, options, nullptr)) checks.push_back(check);
-  }
+    checks.insert(checks.end(), more.begin(), more.end());
+  };
+  const DerivedPrograms& derived = prepared.derived(options.parameters == Parameters::kAsWritten);
+  add(checkPointsExactly(scene, options));
+  add(checkDerivativesExactly(scene, options, derived));
+  add(checkClosuresExactly(scene, options, derived));
+  add(checkRegressorExactly(scene, options));
+  add(checkConstrainedExactly(scene, options, derived));
   return checks;
 }
 

@@ -3,15 +3,23 @@
 
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/verdicts/check_derivatives.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
 
 namespace dynwitness::crosscheck {
 
 std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
                                                  const scene::Mechanism* derived) {
+  return checkDerivativesExactly(scene, options,
+                                 DerivedPrograms(derived ? *derived : scene.mechanism,
+                                                 options.parameters == Parameters::kAsWritten));
+}
+
+std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
+                                                 const ExactOptions& options,
+                                                 const DerivedPrograms& derived) {
   const scene::Mechanism& mechanism = scene.mechanism;
-  const LagrangeDerivatives programs(derived ? *derived : mechanism,
-                                     options.parameters == Parameters::kAsWritten);
+  const LagrangeDerivatives programs(derived.forces());
   const std::vector<DerivativePair> pairs = derivativePairs(mechanism);
   Inquiry inquiry;
   for (const DerivativePair& pair : pairs) inquiry.checks.push_back(inWords(pair));

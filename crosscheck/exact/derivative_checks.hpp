@@ -8,7 +8,12 @@
 
 namespace dynwitness::crosscheck {
 
-/** Every pair of laws/derivative_roads.hpp.
+/// Every pair of laws/derivative_roads.hpp. @param derived  what Lagrange's side goes on from
+std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
+                                                 const ExactOptions& options,
+                                                 const DerivedPrograms& derived);
+
+/** The same.
     @param derived  what Lagrange's side is derived from instead of the scene: tests plant their
       errors there */
 std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,

@@ -13,6 +13,7 @@
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
 #include "recursive/constraints.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closures.hpp"
@@ -261,8 +262,7 @@ namespace {
 // ---- closures -----------------------------------------------------------------------------------
 
 /// phi, J and gamma, derived from phi and from the sweeps.
-Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& derived_from,
-                 Parameters parameters) {
+Inquiry closures(const scene::Mechanism& mechanism, const DerivedPrograms& of) {
   constexpr int kParts = 3;
   constexpr const char* kNames[kParts] = {"phi", "J", "gamma"};
   constexpr const char* kStatements[kParts] = {
@@ -279,11 +279,9 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
     check.right = "sweeps";
     inquiry.checks.push_back(check);
   }
-  symbolic::Options options;
-  options.fold_parameters = parameters == Parameters::kAsWritten;
-  symbolic::Equations equations = symbolic::deriveEnergies(derived_from, options);
+  symbolic::Equations& equations = of.forces();
   const symbolic::ClosureEquations derived =
-      symbolic::closureEquations(derived_from, options, equations);
+      symbolic::closureEquations(of.mechanism(), of.options(), equations);
   std::vector<symbolic::Node> outputs = derived.phi;
   for (const auto& row : derived.J) outputs.insert(outputs.end(), row.begin(), row.end());
   outputs.insert(outputs.end(), derived.gamma.begin(), derived.gamma.end());
@@ -363,10 +361,16 @@ std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
 std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
                                               const ExactOptions& options,
                                               const scene::Mechanism* derived) {
+  return checkClosuresExactly(scene, options,
+                              DerivedPrograms(derived ? *derived : scene.mechanism,
+                                              options.parameters == Parameters::kAsWritten));
+}
+
+std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
+                                              const ExactOptions& options,
+                                              const DerivedPrograms& derived) {
   if (scene.mechanism.closures.empty()) return {};
-  return decide(scene,
-                closures(scene.mechanism, derived ? *derived : scene.mechanism, options.parameters),
-                options);
+  return decide(scene, closures(scene.mechanism, derived), options);
 }
 
 std::string describeExact(const CheckResult::Exact& exact) {

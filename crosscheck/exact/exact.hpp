@@ -16,6 +16,8 @@
 
 namespace dynwitness::crosscheck {
 
+class DerivedPrograms;
+
 struct ExactOptions {
   std::uint64_t seed = 1;
   /// Each check runs at as many points as make the chance that it passes different formulas at most
@@ -48,11 +50,18 @@ std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
                                               const ExactOptions& options,
                                               const scene::Mechanism* derived = nullptr);
 
+std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
+                                              const ExactOptions& options,
+                                              const DerivedPrograms& derived);
+
 /// What of the constrained motion the scene has to show: closures, driven joints, acceleration
 /// constraints. No checks where it has none of them; `derived` as above.
 std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
                                                  const scene::Mechanism* derived = nullptr);
+std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
+                                                 const ExactOptions& options,
+                                                 const DerivedPrograms& derived);
 
 /// CheckResult::name() of all exact checks that random mechanisms are asked, each once.
 const std::vector<std::string>& exactCheckNames();

@@ -6,6 +6,7 @@
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/dense_equations.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/constrained_reactions.hpp"
 #include "recursive/hybrid_dynamics.hpp"
@@ -298,18 +299,24 @@ CheckResult unanswered(const char* law, const char* quantity, const char* statem
 std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
                                                  const scene::Mechanism* derived) {
+  return checkConstrainedExactly(scene, options,
+                                 DerivedPrograms(derived ? *derived : scene.mechanism,
+                                                 options.parameters == Parameters::kAsWritten));
+}
+
+std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
+                                                 const ExactOptions& options,
+                                                 const DerivedPrograms& derived) {
   const scene::Mechanism& mechanism = scene.mechanism;
   const bool is_held = mechanism.isDriven() || !mechanism.acceleration_constraints.empty(),
              is_closed = !mechanism.closures.empty();
   if (mechanism.isOpenTree() && !is_held) return {};
-  const scene::Mechanism& of = derived ? *derived : mechanism;
-  const bool fold = options.parameters == Parameters::kAsWritten;
-  const auto dense = std::make_shared<const DerivedConstraints>(of, fold, true);
+  const auto dense = std::make_shared<const DerivedConstraints>(derived, true);
   std::vector<CheckResult> checks;
   const auto ask = [&](const Inquiry& inquiry) {
     for (const CheckResult& check : decide(scene, inquiry, options)) checks.push_back(check);
   };
-  ask(reactions(mechanism, dense, std::make_shared<const DerivedReactions>(of, fold)));
+  ask(reactions(mechanism, dense, std::make_shared<const DerivedReactions>(derived.cut())));
   if (!mechanism.springs.empty()) ask(springs(mechanism, dense));
   if (mechanism.hasMimics() && (is_closed || is_held)) {
     checks.push_back(unanswered(

@@ -50,44 +50,61 @@ recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
       column[j] = j == i ? -1 : j > i && p >= i && column[p] != -2 ? m : -2;
       if (column[j] >= 0) m += axisCount(model.links[j].kind);
     }
-    // a_j as a function of (a, u, 1), and G with it: H, its last column being g
+    // a_j as a function of those of (a, u, 1) that move it, and G with it: H, its last column g
     const int size = 6 + m;
     std::vector<Matrix> A(links);
+    std::vector<std::vector<int>> movers(links);  // of each column of A_j, the last that of 1
     Matrix H = Matrix::Constant(size, size + 1, T(0));
     for (int j = i; j < links; ++j) {
       if (column[j] == -2) continue;
       const LinkModel<T>& link = model.links[j];
-      A[j] = Matrix::Constant(6, size + 1, T(0));
+      const int axes = j == i ? 0 : axisCount(link.kind);
       if (j == i) {
+        A[j] = Matrix::Constant(6, 7, T(0));
         for (int k = 0; k < 6; ++k) A[j](k, k) = T(1);
+        movers[j] = {0, 1, 2, 3, 4, 5, size};
       } else {
-        A[j] = ws.X_up[j].motionMatrix() * A[link.parent];
-        A[j].col(size) += ws.c[j].vector();
-        for (int k = 0; k < axisCount(link.kind); ++k) {
+        const std::vector<int>& inboard = movers[link.parent];
+        const auto last = static_cast<Eigen::Index>(inboard.size()) - 1;
+        const Matrix carried = ws.X_up[j].motionMatrix() * A[link.parent];
+        A[j].resize(6, last + 1 + axes);
+        A[j].leftCols(last) = carried.leftCols(last);
+        A[j].col(last + axes) = carried.col(last) + ws.c[j].vector();
+        movers[j].assign(inboard.begin(), inboard.end() - 1);
+        for (int k = 0; k < axes; ++k) {
           const int u = 6 + column[j] + k;
-          A[j].col(u) += jointAxis(link, k);
+          A[j].col(last + k) = jointAxis(link, k);
+          movers[j].push_back(u);
           H(u, u) += link.rotor;
           T drive = tau[link.dof + k];
-          if (axisCount(link.kind) == 1)
-            drive -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
+          if (axes == 1) drive -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
           H(u, size) -= drive;
         }
-        if (model.gyroscopic) {
+        movers[j].push_back(size);
+        if (model.gyroscopic && axes == 1) {
           // the spin h qd z on the parent: h u z'a_p, and what carrying it around takes
-          const Matrix carried = ws.X_up[j].motionMatrix() * A[link.parent];
-          const Vector6<T> axis = spinAxis(link).vector();
-          if (axisCount(link.kind) == 1) {
-            const int u = 6 + column[j];
-            H.row(u) += axis.transpose() * carried;
-            H.col(u) += carried.leftCols(size).transpose() * axis;
-            const Force<T> f = spinForce(link, qd[link.dof], T(0), ws.X_up[j] * ws.v[link.parent]);
-            H.col(size) += carried.leftCols(size).transpose() * f.vector();
+          const Vector6<T> axis = spinAxis(link).vector(),
+                           f = spinForce(link, qd[link.dof], T(0), ws.X_up[j] * ws.v[link.parent])
+                                   .vector();
+          const int u = 6 + column[j];
+          for (Eigen::Index r = 0; r <= last; ++r) {
+            const T along = axis.dot(carried.col(r));
+            H(u, inboard[r]) += along;
+            if (r == last) break;
+            H(inboard[r], u) += along;
+            H(inboard[r], size) += f.dot(carried.col(r));
           }
         }
       }
       const Matrix6<T> M = ArticulatedInertia<T>::fromRigid(link.M).matrix();
-      H += A[j].leftCols(size).transpose() * (M * A[j]);
-      H.col(size) += A[j].leftCols(size).transpose() * bias[j].vector();
+      const Matrix moved = M * A[j];
+      const Vector6<T> b = bias[j].vector();
+      const auto count = static_cast<Eigen::Index>(movers[j].size());
+      for (Eigen::Index r = 0; r + 1 < count; ++r) {
+        for (Eigen::Index s = 0; s < count; ++s)
+          H(movers[j][r], movers[j][s]) += A[j].col(r).dot(moved.col(s));
+        H(movers[j][r], size) += A[j].col(r).dot(b);
+      }
     }
     // u away
     Matrix H_uu = H.block(6, 6, m, m), solved(m, 7);

@@ -66,7 +66,10 @@ FieldNumbers::FieldNumbers(const scene::Mechanism& mechanism, FieldSource source
     : values_(mechanism.parameterValues()), source_(std::move(source)), parameters_(parameters) {}
 
 PrimeField FieldNumbers::operator()(const scene::Number& number) const {
-  if (number.kind() == scene::Number::Kind::kNumber) return source_.constant(number.number());
+  using Kind = scene::Number::Kind;
+  if (number.kind() == Kind::kNumber) return source_.constant(number.number());
+  if (number.kind() == Kind::kNegate && number.left().kind() == Kind::kNumber)
+    return -source_.constant(number.left().number());
   if (!isKnown(number)) return scene::evaluateIn<PrimeField>(number, Algebra{source_});
   const scene::Exact exact = exactly(number);
   const PrimeField value = source_.constant(exact.rational);
@@ -81,6 +84,10 @@ FieldNumbers::Point FieldNumbers::angle(const scene::Number& radians) const {
 }
 
 scene::AxisTurn<PrimeField> FieldNumbers::axisTurn(const scene::Vector& axis) const {
+  using Kind = scene::Number::Kind;
+  if (axis[0].isLiteralZero() && axis[1].isLiteralZero() && axis[2].kind() == Kind::kNumber &&
+      scene::top(axis[2].number()).sign() > 0)  // z, as most are
+    return {{PrimeField(1), PrimeField(0)}, {PrimeField(1), PrimeField(0)}};
   std::array<scene::Exact, 3> v;
   std::array<bool, 3> is_zero;
   bool rational = true;
@@ -136,7 +143,10 @@ bool FieldNumbers::isKnown(const scene::Number& number) const {
 
 /// exactValue(), quickly for plain numbers.
 scene::Exact FieldNumbers::exactly(const scene::Number& number) const {
-  if (number.kind() == scene::Number::Kind::kNumber) return {number.number(), 0};
+  using Kind = scene::Number::Kind;
+  if (number.kind() == Kind::kNumber) return {number.number(), 0};
+  if (number.kind() == Kind::kNegate && number.left().kind() == Kind::kNumber)
+    return {-number.left().number(), 0};
   return exactValue(number, values_);
 }
 

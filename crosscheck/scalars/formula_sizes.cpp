@@ -14,8 +14,14 @@
 namespace dynwitness::crosscheck {
 namespace {
 
+/// At least log2 n, n not zero.
+int bitsOf(std::uint64_t n) {
+  const int bits = 63 - __builtin_clzll(n);
+  return (n & (n - 1)) == 0 ? bits : bits + 1;  // a power of two, or more
+}
 /// At least log2 |n|, n not zero.
 double bitsOf(const scene::Integer& n) {
+  if (n.backend().size() == 1) return bitsOf(*n.backend().limbs());
   const scene::Integer size = abs(n);
   const auto bits = static_cast<double>(msb(size));
   return lsb(size) == msb(size) ? bits : bits + 1;  // a power of two, or more
@@ -26,69 +32,48 @@ double bitsOf(const scene::Integer& n) {
 FormulaSizes::FormulaSizes()
     : outer_(PrimeField::sizes_),
       values_(1),
-      buckets_(1 << 12, 0),
-      memory_(1 << 14),
-      denominators_{{{}, {0, 0}}} {
-  index_[{}] = 0;
+      lately_(1 << 12, 0),
+      denominators_{{0, 0, {0, 0}}},
+      index_(1 << 8, 0) {
   PrimeField::sizes_ = this;
 }
 
-// ---- sizes, each kept once ----------------------------------------------------------------------
+// ---- sizes --------------------------------------------------------------------------------------
 
 namespace {
 
+constexpr std::uint64_t kMix = 0x9e3779b97f4a7c15u;
+
 std::uint64_t mixed(std::uint64_t h) {
-  h *= 0x9e3779b97f4a7c15u;
+  h *= kMix;
   return h ^ (h >> 32);
 }
 
-std::uint64_t hashOf(double degree, double bits, int denominator) {
-  std::uint64_t words[2];
-  static_assert(sizeof(double) == sizeof(words[0]));
-  std::memcpy(&words[0], &degree, sizeof degree);
-  std::memcpy(&words[1], &bits, sizeof bits);
-  return mixed(mixed(mixed(words[0]) ^ words[1]) ^ static_cast<std::uint64_t>(denominator));
+std::uint64_t wordOf(double x) {
+  std::uint64_t word = 0;
+  static_assert(sizeof x == sizeof word);
+  std::memcpy(&word, &x, sizeof word);
+  return word;
 }
 
 }  // namespace
 
 std::uint64_t FormulaSizes::kept(const Value& value) {
-  const std::uint64_t mask = buckets_.size() - 1;
-  std::uint64_t at = hashOf(value.degree, value.bits, value.denominator) & mask;
-  for (; buckets_[at] != 0; at = (at + 1) & mask) {
-    const Value& other = values_[buckets_[at]];
-    if (other.degree == value.degree && other.bits == value.bits &&
-        other.denominator == value.denominator)
-      return buckets_[at];
-  }
+  const std::uint64_t h = (wordOf(value.degree) * kMix ^ wordOf(value.bits)) * kMix +
+                          static_cast<std::uint64_t>(value.denominator) * kMix;
+  std::uint32_t& last = lately_[h >> 32 & (lately_.size() - 1)];
+  const Value& other = values_[last];
+  if (other.degree == value.degree && other.bits == value.bits &&
+      other.denominator == value.denominator)
+    return last;
   const std::uint64_t index = values_.size();
   if (index >> (64 - kOperationBits) != 0)
     throw std::length_error("FormulaSizes: more than 2^28 sizes of formulas");
+  last = static_cast<std::uint32_t>(index);
   values_.push_back(value);
-  buckets_[at] = static_cast<std::uint32_t>(index);
-  if (2 * values_.size() > buckets_.size()) growBuckets();
+  if (values_.size() > lately_.size())
+    lately_.assign(4 * lately_.size(), 0);  // what was met is lost
   return index;
-}
-
-void FormulaSizes::growBuckets() {
-  buckets_.assign(2 * buckets_.size(), 0);
-  const std::uint64_t mask = buckets_.size() - 1;
-  for (std::size_t i = 1; i < values_.size(); ++i) {
-    std::uint64_t at = hashOf(values_[i].degree, values_[i].bits, values_[i].denominator) & mask;
-    while (buckets_[at] != 0) at = (at + 1) & mask;
-    buckets_[at] = static_cast<std::uint32_t>(i);
-  }
-}
-
-std::uint64_t FormulaSizes::remembered(Made made, std::uint64_t a, std::uint64_t b) {
-  if (b < a) std::swap(a, b);
-  const std::uint64_t key = a << 32 | b << 1 | static_cast<std::uint64_t>(made);
-  Remembered& memory = memory_[mixed(key) & (memory_.size() - 1)];
-  if (memory.key == key) return memory.index;
-  const Value value =
-      made == Made::kSum ? sumOf(values_[a], values_[b]) : productOf(values_[a], values_[b]);
-  memory = {key, kept(value)};
-  return memory.index;
 }
 
 PrimeField FormulaSizes::made(std::uint64_t index) {
@@ -99,60 +84,121 @@ PrimeField FormulaSizes::made(std::uint64_t index) {
 
 // ---- denominators -------------------------------------------------------------------------------
 
-std::size_t FormulaSizes::PowersHash::operator()(const Powers& powers) const {
-  std::uint64_t h = powers.size();
-  for (const auto& [divisor, exponent] : powers)
-    h = mixed(h ^
-              (static_cast<std::uint64_t>(divisor) << 32 | static_cast<std::uint32_t>(exponent)));
-  return h;
+FormulaSizes::OfTwo::Known& FormulaSizes::OfTwo::placeOf(std::uint64_t key) {
+  std::size_t at = mixed(key) & (known_.size() - 1);
+  while (known_[at].key != key && known_[at].key != kNone) at = (at + 1) & (known_.size() - 1);
+  return known_[at];
+}
+
+int& FormulaSizes::OfTwo::operator()(int a, int b) {
+  const std::uint64_t key = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b);
+  Known* place = &placeOf(key);
+  if (place->key == key) return place->value;
+  if (2 * ++count_ > known_.size()) {
+    std::vector<Known> old(2 * known_.size());
+    old.swap(known_);
+    for (const Known& known : old)
+      if (known.key != kNone) placeOf(known.key) = known;
+    place = &placeOf(key);
+  }
+  place->key = key;
+  return place->value;
+}
+
+std::uint64_t FormulaSizes::hashOf(std::size_t begin, std::size_t end) const {
+  std::uint64_t h = end - begin;
+  for (std::size_t i = begin; i < end; ++i)
+    h = (h ^ static_cast<std::uint64_t>(powers_[i].first) << 32 ^
+         static_cast<std::uint64_t>(powers_[i].second)) *
+        kMix;
+  return h ^ (h >> 32);
+}
+
+int FormulaSizes::intern(std::size_t begin) {
+  const std::size_t end = powers_.size();
+  if (begin == end) return 0;
+  const auto from = powers_.begin() + static_cast<std::ptrdiff_t>(begin);
+  std::size_t at = hashOf(begin, end) & (index_.size() - 1);
+  for (; index_[at] != 0; at = (at + 1) & (index_.size() - 1)) {
+    const Denominator& known = denominators_[index_[at]];
+    if (known.end - known.begin == end - begin &&
+        std::equal(from, powers_.end(),
+                   powers_.begin() + static_cast<std::ptrdiff_t>(known.begin))) {
+      powers_.resize(begin);
+      return index_[at];
+    }
+  }
+  Size size{0, 0};
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto& [divisor, exponent] = powers_[i];
+    size.degree += static_cast<double>(exponent) * divisors_[divisor].degree;
+    size.bits += static_cast<double>(exponent) * divisors_[divisor].bits;
+  }
+  const auto added = static_cast<int>(denominators_.size());
+  denominators_.push_back({begin, end, size});
+  index_[at] = added;
+  if (2 * denominators_.size() > index_.size()) growIndex();
+  return added;
+}
+
+void FormulaSizes::growIndex() {
+  index_.assign(2 * index_.size(), 0);
+  for (std::size_t i = 1; i < denominators_.size(); ++i) {
+    std::size_t at = hashOf(denominators_[i].begin, denominators_[i].end) & (index_.size() - 1);
+    while (index_[at] != 0) at = (at + 1) & (index_.size() - 1);
+    index_[at] = static_cast<int>(i);
+  }
 }
 
 int FormulaSizes::intern(const Powers& powers) {
-  const auto [it, is_new] = index_.try_emplace(powers, static_cast<int>(denominators_.size()));
-  if (is_new) {
-    Size size{0, 0};
-    for (const auto& [divisor, exponent] : powers) {
-      size.degree += exponent * divisors_[divisor].degree;
-      size.bits += exponent * divisors_[divisor].bits;
-    }
-    denominators_.push_back({powers, size});
-  }
-  return it->second;
+  const std::size_t begin = powers_.size();
+  powers_.insert(powers_.end(), powers.begin(), powers.end());
+  return intern(begin);
+}
+
+FormulaSizes::Powers FormulaSizes::powersOf(int denominator) const {
+  const Denominator& of = denominators_[denominator];
+  const auto first = powers_.begin();
+  return {first + static_cast<std::ptrdiff_t>(of.begin),
+          first + static_cast<std::ptrdiff_t>(of.end)};
 }
 
 int FormulaSizes::combined(int a, int b, bool add) {
-  const Powers &x = denominators_[a].powers, &y = denominators_[b].powers;
-  Powers& both = scratch_;
-  both.clear();
-  for (std::size_t i = 0, j = 0; i < x.size() || j < y.size();) {
-    if (j == y.size() || (i < x.size() && x[i].first < y[j].first)) {
-      both.push_back(x[i++]);
-    } else if (i == x.size() || y[j].first < x[i].first) {
-      both.push_back(y[j++]);
+  const Denominator x = denominators_[a], y = denominators_[b];
+  const std::size_t begin = powers_.size(), most = (x.end - x.begin) + (y.end - y.begin);
+  powers_.resize(begin + most);
+  Power* to = powers_.data() + begin;
+  const Power *p = powers_.data() + x.begin, *q = powers_.data() + y.begin;
+  const Power *p_end = powers_.data() + x.end, *q_end = powers_.data() + y.end;
+  while (p != p_end && q != q_end) {
+    if (p->first < q->first) {
+      *to++ = *p++;
+    } else if (q->first < p->first) {
+      *to++ = *q++;
     } else {
-      const int m = x[i].second, n = y[j].second;
-      both.emplace_back(x[i].first, add ? m + n : std::max(m, n));
-      ++i, ++j;
+      *to++ = {p->first, add ? p->second + q->second : std::max(p->second, q->second)};
+      ++p, ++q;
     }
   }
-  return intern(both);
+  to = std::copy(p, p_end, to);
+  to = std::copy(q, q_end, to);
+  powers_.resize(static_cast<std::size_t>(to - powers_.data()));
+  return intern(begin);
 }
 
 int FormulaSizes::timesDenominator(int a, int b) {
   if (a == 0 || b == 0) return a + b;
   if (b < a) std::swap(a, b);
-  const std::uint64_t key = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b);
-  const auto it = products_.find(key);
-  return it != products_.end() ? it->second : products_[key] = combined(a, b, true);
+  int& known = products_(a, b);
+  return known >= 0 ? known : known = combined(a, b, true);
 }
 
 int FormulaSizes::common(int a, int b) {
   if (a == b || b == 0) return a;
   if (a == 0) return b;
   if (b < a) std::swap(a, b);
-  const std::uint64_t key = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b);
-  const auto it = commons_.find(key);
-  return it != commons_.end() ? it->second : commons_[key] = combined(a, b, false);
+  int& known = commons_(a, b);
+  return known >= 0 ? known : known = combined(a, b, false);
 }
 
 int FormulaSizes::newDivisor(Size size) {
@@ -181,10 +227,7 @@ int FormulaSizes::constantDivisor(const scene::Integer& n) {
 
 PrimeField FormulaSizes::constant(int value) {
   if (value == 0) return {};
-  int bits = 0;  // as bitsOf()
-  for (std::int64_t n = std::abs(static_cast<std::int64_t>(value)); std::int64_t(1) << bits < n;)
-    ++bits;
-  return made(0, bits, 0);
+  return made(0, bitsOf(static_cast<std::uint64_t>(std::abs(static_cast<std::int64_t>(value)))), 0);
 }
 
 PrimeField FormulaSizes::constant(const scene::Rational& value) {
@@ -228,25 +271,20 @@ FormulaSizes::Value FormulaSizes::sumOf(const Value& a, const Value& b) {
           size.bits + std::max(a.bits - a_size.bits, b.bits - b_size.bits) + 1, both};
 }
 
-FormulaSizes::Value FormulaSizes::productOf(const Value& a, const Value& b) {
-  return {a.degree + b.degree, a.bits + b.bits, timesDenominator(a.denominator, b.denominator)};
-}
-
 PrimeField FormulaSizes::sum(PrimeField a, PrimeField b) {
   if (a.isZero()) return b;
   if (b.isZero()) return a;
-  return made(remembered(Made::kSum, indexOf(a), indexOf(b)));
+  return made(kept(sumOf(valueOf(a), valueOf(b))));
 }
 
 bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
   const Value value = valueOf(x);
-  if (value.denominator == 0 || !may_divide_.test(operationOf(n) % may_divide_.size()))
-    return false;
+  if (value.denominator == 0) return false;
   const auto known = divisor_of_operation_.find(operationOf(n));
   if (known == divisor_of_operation_.end()) return false;
-  auto powers = denominators_[value.denominator].powers;
+  Powers powers = powersOf(value.denominator);
   const auto it = std::find_if(powers.begin(), powers.end(),
-                               [&](const auto& power) { return power.first == known->second; });
+                               [&](const Power& power) { return power.first == known->second; });
   if (it == powers.end()) return false;
   if (--it->second == 0) powers.erase(it);
   *out = made(value.degree, value.bits, timesDenominator(valueOf(n).denominator, intern(powers)));
@@ -256,8 +294,11 @@ bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
 PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {
   if (a.isZero() || b.isZero()) return {};
   PrimeField out;
-  if (cancelled(a, b, &out) || cancelled(b, a, &out)) return out;
-  return made(remembered(Made::kProduct, indexOf(a), indexOf(b)));
+  if (mayDivide(a) && cancelled(a, b, &out)) return out;
+  if (mayDivide(b) && cancelled(b, a, &out)) return out;
+  const Value &x = valueOf(a), &y = valueOf(b);
+  return made(
+      kept({x.degree + y.degree, x.bits + y.bits, timesDenominator(x.denominator, y.denominator)}));
 }
 
 PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {
@@ -265,15 +306,15 @@ PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {
   if (a.isZero()) return {};
   // (X / E) / (N / F) = X F' / (E' N), with E' / F' = E / F in lowest terms
   const Value top = valueOf(a);
-  Powers below = denominators_[top.denominator].powers;
+  Powers below = powersOf(top.denominator);
   double degree = top.degree, bits = top.bits;
-  for (const auto& [divisor, exponent] : denominators_[valueOf(b).denominator].powers) {
+  for (const auto& [divisor, exponent] : powersOf(valueOf(b).denominator)) {
     const auto it = std::find_if(below.begin(), below.end(),
                                  [&](const auto& power) { return power.first == divisor; });
-    const int cancelled = it == below.end() ? 0 : std::min(it->second, exponent);
+    const std::int64_t cancelled = it == below.end() ? 0 : std::min(it->second, exponent);
     if (cancelled > 0) it->second -= cancelled;
-    degree += (exponent - cancelled) * divisors_[divisor].degree;
-    bits += (exponent - cancelled) * divisors_[divisor].bits;
+    degree += static_cast<double>(exponent - cancelled) * divisors_[divisor].degree;
+    bits += static_cast<double>(exponent - cancelled) * divisors_[divisor].bits;
   }
   below.erase(std::remove_if(below.begin(), below.end(),
                              [](const auto& power) { return power.second == 0; }),

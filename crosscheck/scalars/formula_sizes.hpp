@@ -29,8 +29,8 @@ namespace dynwitness::crosscheck {
     A sweep in this scope returns, entry by entry, bounds for the formula of that entry. They are
     read in the scope.
 
-    Few sizes occur, each many times: each is kept once, an element holds its number and that of the
-    operation, and what two sizes make is remembered. */
+    An element holds the place of its size in a list and the number of its operation. Few sizes
+    occur, each many times: one that was met lately is not kept again. */
 class FormulaSizes {
  public:
   FormulaSizes();
@@ -64,13 +64,31 @@ class FormulaSizes {
   /// @throws DivisionByZero when b is the polynomial 0
   PrimeField quotient(PrimeField a, PrimeField b);
 
-  using Powers = std::vector<std::pair<int, int>>;  ///< (divisor, exponent > 0), in order
-  struct PowersHash {
-    std::size_t operator()(const Powers& powers) const;
-  };
+  /// (divisor, exponent > 0): formulas of 26 rates have exponents that come near the largest int.
+  using Power = std::pair<int, std::int64_t>;
+  using Powers = std::vector<Power>;  ///< in the order of divisors
+  /// Its powers stand in powers_.
   struct Denominator {
-    Powers powers;
+    std::size_t begin, end;
     Size size;
+  };
+
+  /// What two denominators make, by both; of the open kind, since it is asked a hundred thousand
+  /// times a mechanism.
+  class OfTwo {
+   public:
+    /// The place for a and b, -1 where nothing is known yet: valid until the next call.
+    int& operator()(int a, int b);
+
+   private:
+    struct Known {
+      std::uint64_t key = kNone;
+      int value = -1;
+    };
+    static constexpr std::uint64_t kNone = ~std::uint64_t(0);
+    Known& placeOf(std::uint64_t key);
+    std::vector<Known> known_ = std::vector<Known>(1 << 8);
+    std::size_t count_ = 0;
   };
 
   // of an element's word: which size above, which operation below, from 1
@@ -79,41 +97,40 @@ class FormulaSizes {
   static std::uint64_t indexOf(PrimeField a) { return a.word_ >> kOperationBits; }
   static std::uint64_t operationOf(PrimeField a) { return a.word_ & kOperation; }
 
-  enum class Made : std::uint64_t { kSum, kProduct };
-  struct Remembered {
-    std::uint64_t key = ~std::uint64_t(0);
-    std::uint64_t index = 0;
-  };
   PrimeField made(std::uint64_t index);  ///< the value of a new operation
   PrimeField made(double degree, double bits, int denominator) {
     return made(kept({degree, bits, denominator}));
   }
   std::uint64_t kept(const Value& value);  ///< its index
-  /// Of the sum or product of two sizes that are not zero.
-  std::uint64_t remembered(Made made, std::uint64_t a, std::uint64_t b);
-  Value sumOf(const Value& a, const Value& b);
-  Value productOf(const Value& a, const Value& b);
-  void growBuckets();
 
+  /// Of the powers from `begin` on at the end of powers_, which are taken off again where they are
+  /// known.
+  int intern(std::size_t begin);
   int intern(const Powers& powers);
+  Powers powersOf(int denominator) const;
   int timesDenominator(int a, int b);
   int common(int a, int b);  ///< least common multiple
   int combined(int a, int b, bool add);
+  void growIndex();
+  std::uint64_t hashOf(std::size_t begin, std::size_t end) const;  ///< of powers
   int newDivisor(Size size);
   int divisorOf(PrimeField value);  ///< the divisor that value's numerator is
   /// (N / E) (X / (N F)) = X / (E F), where N was divided by before. @return whether it was
   bool cancelled(PrimeField n, PrimeField x, PrimeField* out);
+  bool mayDivide(PrimeField n) const {
+    return may_divide_.test(operationOf(n) % may_divide_.size());
+  }
+  Value sumOf(const Value& a, const Value& b);
   int constantDivisor(const scene::Integer& n);
 
   FormulaSizes* outer_;
-  std::vector<Value> values_;           ///< 0 is the size of zero
-  std::vector<std::uint32_t> buckets_;  ///< of indices into values_, found by hash; 0: empty
-  std::vector<Remembered> memory_;
+  std::vector<Value> values_;          ///< 0 is the size of zero
+  std::vector<std::uint32_t> lately_;  ///< index into values_ of the last size with this hash
   std::vector<Size> divisors_;
-  std::vector<Denominator> denominators_;
-  std::unordered_map<Powers, int, PowersHash> index_;
-  Powers scratch_;
-  std::unordered_map<std::uint64_t, int> products_, commons_;
+  std::vector<Denominator> denominators_;  ///< 0 is 1
+  std::vector<Power> powers_;              ///< of all denominators
+  std::vector<int> index_;                 ///< of denominators, found by hash; 0: empty
+  OfTwo products_, commons_;
   std::unordered_map<std::uint64_t, int> divisor_of_operation_;
   std::bitset<1 << 14> may_divide_;  ///< by the last bits of the operation
   std::map<scene::Integer, int> constants_;

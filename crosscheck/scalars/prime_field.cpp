@@ -2,7 +2,6 @@
 #include "crosscheck/scalars/prime_field.hpp"
 
 #include <array>
-#include <limits>
 
 #include <flint/ulong_extras.h>
 
@@ -17,15 +16,13 @@ namespace {
 
 /// |n| mod p with the sign of n.
 PrimeField fromInteger(const scene::Integer& n) {
-  if (n >= std::numeric_limits<int>::min() && n <= std::numeric_limits<int>::max())
-    return static_cast<int>(n);
   std::uint64_t residue = 0;
   if (const auto& limbs = n.backend(); limbs.size() == 1)
     residue = *limbs.limbs() % PrimeField::modulus();
   else
     residue = static_cast<std::uint64_t>(scene::Integer(abs(n) % PrimeField::modulus()));
   const PrimeField element = PrimeField::fromResidue(residue);
-  return n < 0 ? -element : element;
+  return n.sign() < 0 ? -element : element;
 }
 
 /// Any element of the field: 63 random bits, drawn again until they are below p.
@@ -56,7 +53,7 @@ PrimeField PrimeField::fromRational(const scene::Rational& value) {
   if (sizes_) return sizes_->constant(value);
   const PrimeField top = fromInteger(scene::top(value));
   const scene::Integer& bottom = scene::bottom(value);
-  if (bottom == 1) return top;
+  if (bottom.backend().size() == 1 && *bottom.backend().limbs() == 1) return top;
   const PrimeField divisor = fromInteger(bottom);
   // decimals have few denominators, and an inverse takes as long as ten products
   struct Known {

@@ -26,6 +26,7 @@
 
 namespace dynwitness::crosscheck {
 
+class DerivedPrograms;
 using scene::VectorX;
 
 namespace detail {
@@ -71,6 +72,8 @@ auto pullByLength(const Numbers& number) {
 struct DerivedConstraints {
   /// @param with_springs  whether the ends of springs between points are asked for
   DerivedConstraints(const scene::Mechanism& mechanism, bool fold_parameters, bool with_springs);
+  /// Adds to the graph of what was derived already.
+  DerivedConstraints(const DerivedPrograms& derived, bool with_springs);
   symbolic::Program program;
   int n = 0, closure_rows = 0, frames = 0;
 };
@@ -79,6 +82,7 @@ struct DerivedConstraints {
 /// those of DerivedConstraints with springs.
 struct DerivedReactions {
   DerivedReactions(const scene::Mechanism& mechanism, bool fold_parameters);
+  explicit DerivedReactions(const symbolic::Reactions& cut);
   symbolic::Program program;
   int count = 0, closure_rows = 0, frames = 0;
 };

@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "crosscheck/witnesses/dense_equations.hpp"
 #include "crosscheck/witnesses/exact_witness.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/program_answer.hpp"
@@ -19,14 +20,29 @@ DerivedPrograms::DerivedPrograms(const scene::Mechanism& mechanism, bool fold_pa
   options_.fold_parameters = fold_parameters;
 }
 
-std::vector<symbolic::Node> DerivedPrograms::outputs(Quantity quantity) const {
+symbolic::Equations& DerivedPrograms::forces() const {
   if (!equations_) equations_ = symbolic::deriveForces(mechanism_, options_);
-  symbolic::Equations& equations = *equations_;
+  return *equations_;
+}
+
+symbolic::Equations& DerivedPrograms::withMass() const {
+  symbolic::Equations& equations = forces();
+  if (equations.M.empty()) symbolic::addMassMatrix(mechanism_, options_, equations);
+  return equations;
+}
+
+const symbolic::Reactions& DerivedPrograms::cut() const {
+  if (!cut_)
+    cut_ = symbolic::reactionsAlong(mechanism_, options_, constrainedFrames(mechanism_, true));
+  return *cut_;
+}
+
+std::vector<symbolic::Node> DerivedPrograms::outputs(Quantity quantity) const {
+  symbolic::Equations& equations = forces();
   switch (quantity) {
     case Quantity::kM: {
-      if (equations.M.empty()) symbolic::addMassMatrix(mechanism_, options_, equations);
       std::vector<symbolic::Node> M;
-      for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
+      for (const auto& row : withMass().M) M.insert(M.end(), row.begin(), row.end());
       return M;
     }
     case Quantity::kc:
@@ -48,8 +64,7 @@ const symbolic::Program& DerivedPrograms::operator[](Quantity quantity) const {
   std::optional<symbolic::Program>& program = programs_[static_cast<int>(quantity)];
   if (program) return *program;
   if (quantity == Quantity::kReactions) {
-    const symbolic::Reactions cut = symbolic::reactions(mechanism_, options_);
-    program = symbolic::compile(cut.graph, cut.lambda);
+    program = symbolic::compile(cut().graph, cut().lambda);
   } else if (quantity == Quantity::kg && !equations_) {  // nobody has asked for more
     symbolic::Equations energies = symbolic::deriveEnergies(mechanism_, options_);
     const std::vector<symbolic::Node> g = symbolic::positionGradient(energies, energies.potential);

@@ -10,6 +10,7 @@
 #include "recursive/factorization.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
+#include "symbolic/reactions.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -26,12 +27,20 @@ class DerivedPrograms {
   /// M row by row; qdd and momentum have no program.
   const symbolic::Program& operator[](Quantity quantity) const;
 
+  // What they are compiled from, for whoever derives more of it: that adds to the graph.
+  const scene::Mechanism& mechanism() const { return mechanism_; }
+  const symbolic::Options& options() const { return options_; }
+  symbolic::Equations& forces() const;     ///< T, V, c, g, Q
+  symbolic::Equations& withMass() const;   ///< and M
+  const symbolic::Reactions& cut() const;  ///< along constrainedFrames() of dense_equations.hpp
+
  private:
   std::vector<symbolic::Node> outputs(Quantity quantity) const;
 
   scene::Mechanism mechanism_;
   symbolic::Options options_;
   mutable std::optional<symbolic::Equations> equations_;
+  mutable std::optional<symbolic::Reactions> cut_;
   mutable std::optional<symbolic::Program> programs_[std::size(kAllQuantities)];
 };
 

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/witnesses/lagrange_derivatives.hpp"
 
-#include "symbolic/equations.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
 #include "symbolic/quasi_velocities.hpp"
 
 namespace dynwitness::crosscheck {
 
 LagrangeDerivatives::LagrangeDerivatives(const scene::Mechanism& mechanism, bool fold_parameters)
-    : dof(mechanism.dof()) {
+    : LagrangeDerivatives(DerivedPrograms(mechanism, fold_parameters).forces()) {}
+
+LagrangeDerivatives::LagrangeDerivatives(symbolic::Equations& equations) : dof(equations.dof()) {
   using symbolic::Direction;
   using symbolic::Input;
   using symbolic::Node;
-  symbolic::Options options;
-  options.fold_parameters = fold_parameters;
-  symbolic::Equations equations = symbolic::deriveForces(mechanism, options);
   std::vector<Node> u;
   for (int k = 0; k < dof; ++k) u.push_back(equations.graph.input(Input::kForce, k));
   Direction by_qd, by_qdd;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 
 namespace dynwitness::crosscheck {
@@ -20,6 +21,8 @@ namespace dynwitness::crosscheck {
 struct LagrangeDerivatives {
   /// @param fold_parameters  see symbolic::Options
   LagrangeDerivatives(const scene::Mechanism& mechanism, bool fold_parameters);
+  /// Adds to the graph of what was derived already.
+  explicit LagrangeDerivatives(symbolic::Equations& equations);
 
   symbolic::Program forces, momenta;
   int dof;

@@ -14,6 +14,7 @@
 #include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/rounded_state.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
 #include "crosscheck/witnesses/mechanism_formulas.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 
@@ -49,11 +50,10 @@ std::vector<scene::Attachment> constrainedFrames(const scene::Mechanism& mechani
   return points;
 }
 
-DerivedReactions::DerivedReactions(const scene::Mechanism& mechanism, bool fold_parameters) {
-  symbolic::Options options;
-  options.fold_parameters = fold_parameters;
-  const symbolic::Reactions cut =
-      symbolic::reactionsAlong(mechanism, options, constrainedFrames(mechanism, true));
+DerivedReactions::DerivedReactions(const scene::Mechanism& mechanism, bool fold_parameters)
+    : DerivedReactions(DerivedPrograms(mechanism, fold_parameters).cut()) {}
+
+DerivedReactions::DerivedReactions(const symbolic::Reactions& cut) {
   count = static_cast<int>(cut.lambda.size());
   closure_rows = static_cast<int>(cut.by_closure.size());
   frames = static_cast<int>(cut.by_frame.size()) / 12;
@@ -64,10 +64,13 @@ DerivedReactions::DerivedReactions(const scene::Mechanism& mechanism, bool fold_
 }
 
 DerivedConstraints::DerivedConstraints(const scene::Mechanism& mechanism, bool fold_parameters,
-                                       bool with_springs) {
-  symbolic::Options options;
-  options.fold_parameters = fold_parameters;
-  symbolic::Equations e = symbolic::derive(mechanism, options);
+                                       bool with_springs)
+    : DerivedConstraints(DerivedPrograms(mechanism, fold_parameters), with_springs) {}
+
+DerivedConstraints::DerivedConstraints(const DerivedPrograms& derived, bool with_springs) {
+  const scene::Mechanism& mechanism = derived.mechanism();
+  const symbolic::Options& options = derived.options();
+  symbolic::Equations& e = derived.withMass();
   const symbolic::ClosureEquations closures = symbolic::closureEquations(mechanism, options, e);
   const std::vector<scene::Attachment> points = constrainedFrames(mechanism, with_springs);
   const symbolic::ClosureEquations places = symbolic::frameEquations(mechanism, options, points, e);
