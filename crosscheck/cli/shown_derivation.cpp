@@ -15,6 +15,7 @@
 #include "symbolic/derivation.hpp"
 #include "symbolic/read_back.hpp"
 #include "symbolic/selection.hpp"
+#include "symbolic/sentence.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -23,17 +24,26 @@ constexpr const char* kDerivationCss = R"(
 summary { cursor: pointer }
 .step { margin: 1.2rem 0 } .step > summary { font-weight: bold }
 .equation { display: flex; align-items: center; gap: .6rem }
-.equation math { font-size: 1.1em; overflow-x: auto; overflow-y: hidden; padding: .2rem 0; flex: 1 }
+.formula { flex: 1; min-width: 0; overflow-x: auto; overflow-y: hidden; padding: .2rem 0 .2rem 2.5rem; text-indent: -1.5rem; line-height: 1.9 }
+.formula math { font-size: 1.1em; text-indent: 0 }
 .equation button { font-size: .7rem; opacity: .6 }
 .lines { display: flex; flex-wrap: wrap; column-gap: 1.6rem; font-size: .92em }
 .lines .equation { flex: 0 1 auto; min-width: 0 } .group, .values { font-size: .92em }
+.lines .formula { padding-left: 1.5rem }
 .group { margin: .8rem 0 .2rem }
 .holds, .fails { font-size: .9rem } .fails { font-weight: bold }
 .columns { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 2rem }
-@media (max-width: 60rem) { .columns { display: block } }
-@media print { .equation button, .holds { display: none } .columns { display: block } }
+@media (max-width: 60rem) { .columns { display: block } .formula { padding-left: 1.5rem } }
+@media print {
+  .equation button { display: none } .columns { display: block } #picture { height: 8cm }
+  .formula { overflow: visible; padding-block: .1rem } .formula math { font-size: 1em }
+  summary { color: inherit; padding: 0; list-style: none } .holds { font-size: .8rem; color: var(--soft) }
+  .step { margin: .9rem 0 } .equation, .holds { break-inside: avoid } .holds { break-before: avoid }
+  h2, .group, .step > summary, .step > summary + p { break-after: avoid }
+}
 )";
-// a browser without a clipboard (a file opened from disk in some) shows no buttons
+// A browser without a clipboard (a file opened from disk in some) shows no buttons. What is folded
+// away is printed: paper does not unfold.
 constexpr const char* kDerivationScript = R"(
 if (navigator.clipboard) for (const line of document.querySelectorAll('.equation')) {
   const button = document.createElement('button');
@@ -41,6 +51,11 @@ if (navigator.clipboard) for (const line of document.querySelectorAll('.equation
   button.onclick = () => navigator.clipboard.writeText(line.dataset.latex);
   line.append(button);
 }
+const unfolded = [];
+addEventListener('beforeprint', () => {
+  for (const fold of document.querySelectorAll('details:not([open])')) { fold.open = true; unfolded.push(fold); }
+});
+addEventListener('afterprint', () => { for (const fold of unfolded.splice(0)) fold.open = false; });
 )";
 
 /// The mechanism as `show` draws it, what each q means, and below it the steps.
@@ -53,15 +68,37 @@ std::string htmlPage(const scene::Scene& scene, const std::string& body) {
                   crosscheck::jointsHtml(scene), kDerivationCss, body, kDerivationScript));
 }
 
+/// Which joint each q is, as a table; empty: none moves.
+std::string latexJoints(const scene::Scene& scene) {
+  const std::vector<std::string> columns = {"q",    "joint",  "kind", "unit",
+                                            "axis", "parent", "child"};
+  const std::vector<std::vector<std::string>> rows = crosscheck::jointCells(scene, columns);
+  if (rows.empty()) return "";
+  const auto inLatex = [](const std::string& cell) {
+    return symbolic::printSentence(cell, symbolic::Style::kLatex);
+  };
+  std::string text = fmt::format(
+      "{{\\small\\setlength{{\\LTpre}}{{0pt}}\\begin{{longtable}}[l]{{@{{}}{}@{{}}}}\n"
+      "{} \\\\\n\\hline\n\\endhead\n",
+      std::string(columns.size(), 'l'), fmt::join(columns, " & "));
+  for (const std::vector<std::string>& row : rows) {
+    std::vector<std::string> cells(row.size());
+    std::transform(row.begin(), row.end(), cells.begin(), inLatex);
+    text += fmt::format("{} \\\\\n", fmt::join(cells, " & "));
+  }
+  return text + "\\end{longtable}}\n\n";
+}
+
 std::string latexDocument(const std::string& title, const std::string& body) {
   return fmt::format(
       "\\documentclass{{article}}\n"
-      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\n"
+      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\\usepackage{{longtable}}\n"
       "\\usepackage[a4paper, margin=20mm]{{geometry}}\n"
       "% an equation is a paragraph, so that long ones are broken at their signs\n"
       "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
       "\\binoppenalty=100 \\relpenalty=50 \\allowdisplaybreaks\n"
       "\\setlength{{\\parindent}}{{0pt}}\\setlength{{\\parskip}}{{0.4em}}\n"
+      "\\renewcommand{{\\arraystretch}}{{1.3}}\n"
       "\\title{{{0}}}\\date{{}}\n"
       "\\begin{{document}}\n\\maketitle\\raggedright\n{1}\\end{{document}}\n",
       title, body);
@@ -176,9 +213,10 @@ DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& 
                                                           : symbolic::Style::kText;
   const std::string body = symbolic::print(shown, style, asked.checks),
                     title = symbolic::printText(scene.title, style);
-  out.text = style == symbolic::Style::kText     ? body
-             : style == symbolic::Style::kMathml ? htmlPage(scene, body)
-                                                 : latexDocument(title, body);
+  out.text = style == symbolic::Style::kText ? body
+             : style == symbolic::Style::kMathml
+                 ? htmlPage(scene, body)
+                 : latexDocument(title, latexJoints(changed) + body);
   if (!asked.proof) return out;
   const symbolic::ReadBack read = symbolic::readBack(shown, out.text, style);
   out.problem = read.problem;
