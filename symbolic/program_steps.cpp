@@ -410,8 +410,8 @@ class ProgramSteps {
   }
 
   bool turns(int i) const { return e_.revolute[static_cast<std::size_t>(i)]; }
-  auto force(int i) const { return turns(i) ? kMoment : kForce; }
-  auto rate(int i) const { return turns(i) ? kTurning : kVelocity; }
+  Dimension force(int i) const { return turns(i) ? kMoment : kForce; }
+  Dimension rate(int i) const { return turns(i) ? kTurning : kVelocity; }
   int linkOf(int i) const { return link_of_[static_cast<std::size_t>(i)]; }
   ClosedAlgebra* algebra() { return algebra_ ? &*algebra_ : nullptr; }
 

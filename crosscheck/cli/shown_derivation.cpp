@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crosscheck/cli/latex_drawing.hpp"
 #include "crosscheck/exact/equation_zeros.hpp"
 #include "crosscheck/exact/ledger.hpp"
 #include "crosscheck/exact/newton_euler_steps.hpp"
@@ -216,7 +217,8 @@ DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& 
   out.text = style == symbolic::Style::kText ? body
              : style == symbolic::Style::kMathml
                  ? htmlPage(scene, body)
-                 : latexDocument(title, latexJoints(changed) + body);
+                 : latexDocument(title, latexDrawing(crosscheck::viewOf(changed)) +
+                                            latexJoints(changed) + body);
   if (!asked.proof) return out;
   const symbolic::ReadBack read = symbolic::readBack(shown, out.text, style);
   out.problem = read.problem;
