@@ -172,7 +172,7 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
     if (style == Style::kMathml)
       text += columnTag(derivation.steps, static_cast<std::size_t>(number));
     ++number;
-    const std::string head = std::to_string(number) + ". " + printSentence(step.name, style);
+    const std::string head = std::to_string(number) + ". " + printText(step.name, style);
     const std::string sentence = printSentence(step.sentence, style);
     const std::string verdict =
         printSentence(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");

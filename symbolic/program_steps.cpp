@@ -195,7 +195,7 @@ std::optional<Formula> kineticByNames(const LinkMotions& motions, int body, Clos
       const std::string of = std::string("_") + "xyz"[k] + "_" + link.link;
       const Formula v = named(link.velocity[k], "v" + of);
       if (!isZero(v)) squares.push_back(Formula::power(v, 2));
-      w.push_back(named(link.angular[k], "omega" + of));
+      w.push_back(named(link.carried[k], "omega" + of));
     }
     if (!squares.empty() && !add(one_half * link.mass, {Formula::sum(squares)}))
       return std::nullopt;
@@ -272,7 +272,7 @@ std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAl
           "velocities",
           kVelocitiesSentence,
           {},
-          "half of mass times velocity squared is T of each link, from velocities carried from joint to joint instead" +
+          "omega, carried from joint to joint, is that of R; half of mass times velocity squared is T of each link, from velocities carried from joint to joint instead" +
               at,
           false};
   ShortOnes far(algebra, &positions), fast(algebra, &velocities);
@@ -289,12 +289,15 @@ std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAl
     }
     for (std::size_t k = 0; k < 3; ++k) {
       const bool slow =
-          fast.add("omega_" + std::string(1, "xyz"[k]) + "_" + link.link, link.angular[k].node);
+          fast.add("omega_" + std::string(1, "xyz"[k]) + "_" + link.link, link.carried[k].node);
       all_short = all_short && slow;
     }
     if (all_short) in_velocities->insert(link.link);
   }
   std::vector<Node> moments, energies;
+  for (const LinkMotion& link : motions.links)
+    for (std::size_t k = 0; k < 3; ++k)
+      energies.push_back((link.carried[k] - link.angular[k]).node);
   for (std::size_t body = 0; body < sums.size(); ++body) {
     for (std::size_t k = 0; k < 3; ++k)
       moments.push_back((sums[body][k] - motions.first_moments[body][k]).node);

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "symbolic/sentence.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cctype>
 #include <optional>
-#include <utility>
 
 #include "symbolic/derivation.hpp"
 
@@ -20,11 +17,10 @@ struct Symbol {
   std::string subscript;
 };
 
-/// Letters that stand for quantities in the sentences of derivations; a and I alone are words.
+/// Greek letters by name, and letters that stand for quantities in the sentences of derivations; a
+/// and I alone are words.
 bool isQuantity(const std::string& head, bool has_subscript) {
-  static constexpr std::array<const char*, 6> kNames = {"Gamma", "tau",    "omega",
-                                                        "theta", "lambda", "nu"};
-  if (std::find(kNames.begin(), kNames.end(), head) != kNames.end()) return true;
+  if (head.size() > 1) return printName(head, Style::kLatex) == "\\" + head;
   const std::string letters =
       has_subscript ? "ABCDHIJKLMQRTVXbcdfghmnpqrvwxyz" : "BDHJKLMQRTVXbcfghijkmnpqvwxyz";
   return head.size() == 1 && letters.find(head) != std::string::npos;

@@ -39,6 +39,7 @@ summary { cursor: pointer }
   .equation button { display: none } .columns { display: block } #picture { height: 8cm }
   .formula { overflow: visible; padding-block: .1rem } .formula math { font-size: 1em }
   summary { color: inherit; padding: 0; list-style: none } .holds { font-size: .8rem; color: var(--soft) }
+  .holds > summary, .holds > p { display: inline } .holds > summary::after { content: ": " }
   .step { margin: .9rem 0 } .equation, .holds { break-inside: avoid } .holds { break-before: avoid }
   h2, .group, .step > summary, .step > summary + p { break-after: avoid }
 }
@@ -69,31 +70,33 @@ std::string htmlPage(const scene::Scene& scene, const std::string& body) {
                   crosscheck::jointsHtml(scene), kDerivationCss, body, kDerivationScript));
 }
 
-/// Which joint each q is, as a table; empty: none moves.
+/// Which joint each q is, as tables that fit on a page; empty: none moves.
 std::string latexJoints(const scene::Scene& scene) {
+  constexpr std::size_t kRows = 40;  // 174 of a page's 257 mm
   const std::vector<std::string> columns = {"q",    "joint",  "kind", "unit",
                                             "axis", "parent", "child"};
-  const std::vector<std::vector<std::string>> rows = crosscheck::jointCells(scene, columns);
-  if (rows.empty()) return "";
   const auto inLatex = [](const std::string& cell) {
     return symbolic::printSentence(cell, symbolic::Style::kLatex);
   };
-  std::string text = fmt::format(
-      "{{\\small\\setlength{{\\LTpre}}{{0pt}}\\begin{{longtable}}[l]{{@{{}}{}@{{}}}}\n"
-      "{} \\\\\n\\hline\n\\endhead\n",
-      std::string(columns.size(), 'l'), fmt::join(columns, " & "));
-  for (const std::vector<std::string>& row : rows) {
-    std::vector<std::string> cells(row.size());
-    std::transform(row.begin(), row.end(), cells.begin(), inLatex);
+  std::string text;
+  std::size_t row = 0;
+  for (const std::vector<std::string>& joint : crosscheck::jointCells(scene, columns)) {
+    if (row++ % kRows == 0)
+      text +=
+          fmt::format("{}{{\\footnotesize\\begin{{tabular}}{{@{{}}{}@{{}}}}\n{} \\\\\n\\hline\n",
+                      row == 1 ? "" : "\\end{tabular}}\n\n", std::string(columns.size(), 'l'),
+                      fmt::join(columns, " & "));
+    std::vector<std::string> cells(joint.size());
+    std::transform(joint.begin(), joint.end(), cells.begin(), inLatex);
     text += fmt::format("{} \\\\\n", fmt::join(cells, " & "));
   }
-  return text + "\\end{longtable}}\n\n";
+  return text.empty() ? text : text + "\\end{tabular}}\n\n";
 }
 
 std::string latexDocument(const std::string& title, const std::string& body) {
   return fmt::format(
       "\\documentclass{{article}}\n"
-      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\\usepackage{{longtable}}\n"
+      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\n"
       "\\usepackage[a4paper, margin=20mm]{{geometry}}\n"
       "% an equation is a paragraph, so that long ones are broken at their signs\n"
       "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
@@ -214,11 +217,14 @@ DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& 
                                                           : symbolic::Style::kText;
   const std::string body = symbolic::print(shown, style, asked.checks),
                     title = symbolic::printText(scene.title, style);
-  out.text = style == symbolic::Style::kText ? body
-             : style == symbolic::Style::kMathml
-                 ? htmlPage(scene, body)
-                 : latexDocument(title, latexDrawing(crosscheck::viewOf(changed)) +
-                                            latexJoints(changed) + body);
+  // who asks for a line wants that line
+  const std::string mechanism =
+      style == symbolic::Style::kLatex && asked.only.empty()
+          ? latexDrawing(crosscheck::viewOf(changed)) + latexJoints(changed)
+          : "";
+  out.text = style == symbolic::Style::kText     ? body
+             : style == symbolic::Style::kMathml ? htmlPage(scene, body)
+                                                 : latexDocument(title, mechanism + body);
   if (!asked.proof) return out;
   const symbolic::ReadBack read = symbolic::readBack(shown, out.text, style);
   out.problem = read.problem;
