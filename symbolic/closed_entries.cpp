@@ -20,12 +20,16 @@ bool dependsOnState(const Formula& f) {
          std::any_of(f.operands.begin(), f.operands.end(), dependsOnState);
 }
 
-/// qd1 + 2 qd2: an angular velocity or a speed, which is read as one thing.
+bool isRate(const Formula& f) {
+  return f.kind == Formula::Kind::kInput &&
+         (f.input == Input::kVelocity || f.input == Input::kAcceleration);
+}
+bool hasRates(const Formula& f) {
+  return isRate(f) || std::any_of(f.operands.begin(), f.operands.end(), hasRates);
+}
+
+/// qd1 + 2 qd2: an angular velocity or a speed.
 bool isSumOfRates(const Formula& f) {
-  const auto isRate = [](const Formula& term) {
-    return term.kind == Formula::Kind::kInput &&
-           (term.input == Input::kVelocity || term.input == Input::kAcceleration);
-  };
   const auto isMultiple = [&](const Formula& term) {
     const Formula& of = term.kind == Formula::Kind::kNegate ? term.operands.front() : term;
     return isRate(of) ||
@@ -36,16 +40,20 @@ bool isSumOfRates(const Formula& f) {
          std::all_of(f.operands.begin(), f.operands.end(), isMultiple);
 }
 
-/// Terms that depend on the state, and one for what does not. A sum of rates is one.
+/// Terms that depend on the state, and one for what does not. What is linear in the rates is read
+/// as a sum of velocities: one term each.
 std::size_t termsOf(const Formula& f) {
   if (!dependsOnState(f) || isSumOfRates(f)) return 1;
   std::size_t terms = 1;
   switch (f.kind) {
     case Formula::Kind::kNegate:
       return termsOf(f.operands.front());
-    case Formula::Kind::kProduct:
-      for (const Formula& factor : f.operands) terms *= termsOf(factor);
+    case Formula::Kind::kProduct: {
+      const bool is_linear = std::count_if(f.operands.begin(), f.operands.end(), hasRates) == 1;
+      for (const Formula& factor : f.operands)
+        terms *= isSumOfRates(factor) && !is_linear ? factor.operands.size() : termsOf(factor);
       return terms;
+    }
     case Formula::Kind::kSum: {
       std::size_t constants = 0;
       terms = 0;
