@@ -46,7 +46,7 @@ Drawing drawingOf(const std::string& svg) {
   for (std::sregex_iterator m(svg.begin(), svg.end(), kSpot); m != end; ++m)
     drawing.spots.push_back({(*m)[1], number((*m)[2]), -number((*m)[3]), number((*m)[4])});
   for (std::sregex_iterator m(svg.begin(), svg.end(), kLabel); m != end; ++m)
-    drawing.labels.push_back({(*m)[3], number((*m)[1]), -number((*m)[2])});
+    drawing.labels.push_back({(*m)[3], number((*m)[1]) + 5, -number((*m)[2]) + 3});
   return drawing;
 }
 
@@ -93,10 +93,10 @@ std::string latexDrawing(const crosscheck::View& view) {
                         symbolic::printSentence(label.words, symbolic::Style::kLatex));
   }
   return fmt::format(
-      "\\begin{{center}}\\setlength{{\\unitlength}}{{0.2mm}}\\small\n"
+      "\\begin{{center}}\\setlength{{\\unitlength}}{{0.28mm}}\\small\n"
       "\\begin{{picture}}({:.0f},{:.0f})({:.0f},{:.0f})\n{}\\end{{picture}}\n\n"
-      "\\footnotesize Thick: links. Thin: axes of joints, a dot at the positive end; broken where they "
-      "slide. Circles: centres of mass. $x$, $y$, $z$: axes of the world.\\end{{center}}\n\n",
+      "\\footnotesize Thick: links, dotted to centres of mass (circles). Thin: axes of joints, a dot at "
+      "the positive end, broken where they slide. $x$, $y$, $z$: axes of the world.\\end{{center}}\n\n",
       right - left, high - low, left, low, body);
 }
 
