@@ -49,7 +49,7 @@ std::optional<Symbol> symbolOf(const std::string& word) {
                        (symbol.is_differential && symbol.head == "t");
     return known ? std::optional<Symbol>(symbol) : std::nullopt;
   };
-  if (const auto found = settled()) return found;
+  if (auto found = settled()) return found;
   if (symbol.head.size() < 2 || symbol.head[0] != 'd') return std::nullopt;
   symbol.is_differential = true;
   symbol.head.erase(0, 1);
