@@ -34,7 +34,11 @@ summary { cursor: pointer }
 .group { margin: .8rem 0 .2rem }
 .holds, .fails { font-size: .9rem } .fails { font-weight: bold }
 .columns { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 2rem }
-@media (max-width: 60rem) { .columns { display: block } .formula { padding-left: 1.5rem } }
+@media (max-width: 60rem) {
+  .columns { display: block } .formula { padding-left: 1.5rem }
+  .equation { position: relative } .equation button { display: none; position: absolute; right: 0 }
+  .equation:hover button, .equation:focus-within button { display: block; opacity: 1 }
+}
 @media print {
   .equation button { display: none } .columns { display: block } #picture { height: 8cm }
   .formula { overflow: visible; padding-block: .1rem } .formula math { font-size: 1em }
