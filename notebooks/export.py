@@ -26,7 +26,14 @@ PAGE = """{%- extends 'lab/index.html.j2' -%}
 .jp-InputArea-editor, .jp-InputArea-editor .highlight { overflow-x: auto } .jp-RenderedImage img { max-width: 100%; height: auto }
 .jp-OutputArea-output .katex-display > .katex { white-space: normal }
 @media (max-width: 45rem) { .jp-InputPrompt, .jp-OutputPrompt { display: none } body.jp-Notebook, main { padding: 0 .5rem } }
-@media print { .highlight pre, .jp-OutputArea-output pre { white-space: pre-wrap } }
+@media print {
+  @page { margin: 12mm } body.jp-Notebook, main { padding: 0 }
+  /* lines of a hundred letters fit */
+  .highlight pre, .jp-OutputArea-output pre { white-space: pre-wrap; font-size: 8pt; line-height: 1.25; orphans: 3; widows: 3 }
+  .jp-InputPrompt, .jp-OutputPrompt { display: none } .jp-RenderedHTMLCommon { font-size: 10pt }
+  .jp-RenderedImage, .katex-display, tr { break-inside: avoid } h1, h2, h3 { break-after: avoid }
+  .jp-RenderedImage img { max-height: 9cm }
+}
 </style>
 <script>{{ resources.katex_js }}</script>
 <script>addEventListener("DOMContentLoaded", () => renderMathInElement(document.body, {delimiters: [

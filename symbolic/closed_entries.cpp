@@ -20,16 +20,40 @@ bool dependsOnState(const Formula& f) {
          std::any_of(f.operands.begin(), f.operands.end(), dependsOnState);
 }
 
-/// Terms that depend on the state, and one for what does not.
+bool isRate(const Formula& f) {
+  return f.kind == Formula::Kind::kInput &&
+         (f.input == Input::kVelocity || f.input == Input::kAcceleration);
+}
+bool hasRates(const Formula& f) {
+  return isRate(f) || std::any_of(f.operands.begin(), f.operands.end(), hasRates);
+}
+
+/// qd1 + 2 qd2: an angular velocity or a speed.
+bool isSumOfRates(const Formula& f) {
+  const auto isMultiple = [&](const Formula& term) {
+    const Formula& of = term.kind == Formula::Kind::kNegate ? term.operands.front() : term;
+    return isRate(of) ||
+           (of.kind == Formula::Kind::kProduct && of.operands.size() == 2 &&
+            of.operands.front().kind == Formula::Kind::kNumber && isRate(of.operands.back()));
+  };
+  return f.kind == Formula::Kind::kSum &&
+         std::all_of(f.operands.begin(), f.operands.end(), isMultiple);
+}
+
+/// Terms that depend on the state, and one for what does not. What is linear in the rates is read
+/// as a sum of velocities: one term each.
 std::size_t termsOf(const Formula& f) {
-  if (!dependsOnState(f)) return 1;
+  if (!dependsOnState(f) || isSumOfRates(f)) return 1;
   std::size_t terms = 1;
   switch (f.kind) {
     case Formula::Kind::kNegate:
       return termsOf(f.operands.front());
-    case Formula::Kind::kProduct:
-      for (const Formula& factor : f.operands) terms *= termsOf(factor);
+    case Formula::Kind::kProduct: {
+      const bool is_linear = std::count_if(f.operands.begin(), f.operands.end(), hasRates) == 1;
+      for (const Formula& factor : f.operands)
+        terms *= isSumOfRates(factor) && !is_linear ? factor.operands.size() : termsOf(factor);
       return terms;
+    }
     case Formula::Kind::kSum: {
       std::size_t constants = 0;
       terms = 0;
@@ -127,15 +151,14 @@ const ClosedAlgebra::Polynomial* ClosedAlgebra::multipliedOut(Node node) {
   return known(node);
 }
 
-/// The least number of terms that termsOf() counts in any way to write these: monomials that differ
-/// in what depends on the state, and one for the number.
+/// Monomials that differ in symbols of some roles or in positions; all others are one.
 std::size_t ClosedAlgebra::differentIn(const Polynomial& p, const std::set<Role>& roles) const {
   std::set<Monomial> seen;
   for (const auto& [monomial, r] : p) {
     Monomial part;
     for (const auto& factor : monomial)
       if (const Symbol& s = symbols_[factor.first];
-          roles.count(s.role) || s.shown.kind == Formula::Kind::kInput)
+          roles.count(s.role) || (s.role == Role::kNumber && s.shown.kind == Formula::Kind::kInput))
         part.push_back(factor);
     seen.insert(std::move(part));
   }
@@ -146,11 +169,11 @@ std::optional<Formula> ClosedAlgebra::shortFormula(Node node) {
   const Polynomial* p = multipliedOut(node);
   if (!p) return std::nullopt;
   if (p->empty()) return Formula::ofNumber(0);
-  // no form has fewer terms than there are products of rates: other angles leave them as they are
+  // other angles leave products of rates as they are, and products of more sums are not looked for
   if (differentIn(*p, {Role::kRate}) > kMostTerms) return std::nullopt;
   std::vector<Polynomial> readable = forms(*p);
   const auto isLong = [this](const Polynomial& form) {
-    return differentIn(form, {Role::kRate, Role::kCos, Role::kSin}) > kMostTerms;
+    return differentIn(form, {Role::kCos, Role::kSin}) > kMostTerms;
   };
   readable.erase(std::remove_if(readable.begin(), readable.end(), isLong), readable.end());
   if (readable.empty()) return std::nullopt;

@@ -58,7 +58,7 @@ ClosedAlgebra::ClosedAlgebra(const Equations& equations) : equations_(equations)
       const std::string& name = graph.atom(n).name;
       const auto cosine = cosines.find(name);
       if (name.compare(0, 3, "cos") == 0) cosines["sin" + name.substr(3)] = symbol_of_.at(s);
-      if (cosine != cosines.end()) fixed_angles_.emplace_back(cosine->second, symbol_of_.at(s));
+      if (cosine != cosines.end()) fixed_angles_[cosine->second] = symbol_of_.at(s);
     }
   }
   for (int k = 0; k < equations.dof(); ++k)
@@ -268,22 +268,36 @@ ClosedAlgebra::Polynomial ClosedAlgebra::withoutSquares(int x, int exponent, int
 
 /// Fixed angles are on the circle too.
 ClosedAlgebra::Polynomial ClosedAlgebra::onFixedCircles(Polynomial p) const {
-  for (const auto& circle : fixed_angles_)
-    p = replaced(p, [&](int symbol, int exponent) -> std::optional<Polynomial> {
-      if (symbol != circle.first || exponent < 2) return std::nullopt;
-      return withoutSquares(circle.first, exponent, circle.second);
-    });
-  return p;
+  // most have no square of a cosine: they go over as they are, not circle by circle
+  std::map<int, int> sine_of;
+  for (const auto& [monomial, r] : p)
+    for (const auto& [symbol, exponent] : monomial)
+      if (exponent >= 2)
+        if (const auto circle = fixed_angles_.find(symbol); circle != fixed_angles_.end())
+          sine_of.insert(*circle);
+  if (sine_of.empty()) return p;
+  return replaced(p, [&](int symbol, int exponent) -> std::optional<Polynomial> {
+    const auto sine = sine_of.find(symbol);
+    if (sine == sine_of.end() || exponent < 2) return std::nullopt;
+    return withoutSquares(symbol, exponent, sine->second);
+  });
 }
 
 /// Replaces squares of the other function of each angle: c^2 = 1 - s^2 or s^2 = 1 - c^2.
 ClosedAlgebra::Polynomial ClosedAlgebra::reduced(const Polynomial& p, Role power_kept) const {
-  return replaced(p, [&](int symbol, int exponent) -> std::optional<Polynomial> {
+  const auto goes = [&](int symbol, int exponent) {
     const Role role = symbols_[symbol].role;
-    const bool is_trig = role == Role::kCos || role == Role::kSin;
-    if (!is_trig || role == power_kept || exponent < 2) return std::nullopt;
+    return exponent >= 2 && role != power_kept && (role == Role::kCos || role == Role::kSin);
+  };
+  if (std::none_of(p.begin(), p.end(), [&](const auto& term) {
+        return std::any_of(term.first.begin(), term.first.end(),
+                           [&](const auto& factor) { return goes(factor.first, factor.second); });
+      }))
+    return p;
+  return replaced(p, [&](int symbol, int exponent) -> std::optional<Polynomial> {
+    if (!goes(symbol, exponent)) return std::nullopt;
     const auto [c, s] = trig_.at(symbols_[symbol].angle);
-    return withoutSquares(symbol, exponent, role == Role::kCos ? s : c);
+    return withoutSquares(symbol, exponent, symbols_[symbol].role == Role::kCos ? s : c);
   });
 }
 

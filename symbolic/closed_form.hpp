@@ -110,7 +110,7 @@ class ClosedAlgebra {
   std::map<GiNaC::ex, int, GiNaC::ex_is_less> symbol_of_;
   std::vector<Symbol> symbols_;
   std::map<Angle, std::pair<int, int>> trig_;
-  std::vector<std::pair<int, int>> fixed_angles_;  ///< cosine and sine among the numbers
+  std::map<int, int> fixed_angles_;  ///< among the numbers: the sine of each cosine
 };
 
 /// T and V of the graph, and what GiNaC derives from them.

@@ -2,6 +2,8 @@
 #include <algorithm>
 
 #include "symbolic/derivation.hpp"
+#include "symbolic/mathml_pieces.hpp"
+#include "symbolic/sentence.hpp"
 
 namespace dynwitness::symbolic {
 
@@ -139,7 +141,8 @@ std::string equationsText(const Step& step, Style style) {
       case Style::kMathml:
         if (is_in_row && !in_row) text += "<div class=\"lines\">\n";
         text += "<div class=\"equation\" data-latex=\"" +
-                printText(print(e, Style::kLatex), style) + "\">" + print(e, style) + "</div>\n";
+                printText(print(e, Style::kLatex), style) + "\"><span class=\"formula\">" +
+                inPieces(print(e, style)) + "</span></div>\n";
         break;
       default:
         text += "     " + print(e, Style::kText) + "\n";
@@ -170,9 +173,9 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
       text += columnTag(derivation.steps, static_cast<std::size_t>(number));
     ++number;
     const std::string head = std::to_string(number) + ". " + printText(step.name, style);
-    const std::string sentence = printText(step.sentence, style);
+    const std::string sentence = printSentence(step.sentence, style);
     const std::string verdict =
-        printText(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
+        printSentence(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
     const bool told = (checks && !step.check.empty()) || !step.holds;
     const std::vector<std::string> after = linesAfter(step);
     switch (style) {
@@ -180,7 +183,7 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
         text += "\\paragraph{" + head + "} " + sentence + "\n\n";
         text += equationsText(step, style);
         if (!parameters.empty()) text += "{\\small " + parameters + ".}\n\n";
-        for (const std::string& line : after) text += printText(line, style) + "\n\n";
+        for (const std::string& line : after) text += printSentence(line, style) + "\n\n";
         if (told) text += "{\\small Check: " + verdict + ".}\n\n";
         break;
       case Style::kMathml:
@@ -188,7 +191,7 @@ std::string print(const Derivation& derivation, Style style, bool checks) {
                 sentence + "</p>\n";
         text += equationsText(step, style);
         if (!parameters.empty()) text += "<p class=\"values\">" + parameters + "</p>\n";
-        for (const std::string& line : after) text += "<p>" + printText(line, style) + "</p>\n";
+        for (const std::string& line : after) text += "<p>" + printSentence(line, style) + "</p>\n";
         if (told)
           text += "<details class=\"" + std::string(step.holds ? "holds" : "fails") +
                   "\"><summary>" + (step.holds ? "Checked exactly" : "DOES NOT HOLD") +

@@ -5,6 +5,7 @@
 
 #include "symbolic/bodies.hpp"
 #include "symbolic/quasi_velocities.hpp"
+#include "symbolic/velocities.hpp"
 
 namespace dynwitness::symbolic {
 namespace {
@@ -110,6 +111,7 @@ LinkMotions linkMotions(const scene::Mechanism& mechanism, const Options& option
     if (rotor.carrier >= 0) turning = turning + dot(rotor.axis, angular[rotor.carrier]);
     result.rotor_kinetic[rotor.body] += rotor.inertia * rate * turning;
   }
+  const std::vector<Velocity> carried = velocities(tree);
   for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
     const scene::Link& link = mechanism.links[i];
     const LinkFrame& frame = tree.frame(static_cast<int>(i));
@@ -124,8 +126,10 @@ LinkMotions linkMotions(const scene::Mechanism& mechanism, const Options& option
     m.position = Placed(graph, to_com).p_AB;
     m.velocity = rate(graph, m.position, moving);
     m.angular = angular[frame.body];
+    m.carried = carried[frame.body].angular;
     for (const FrameStep& step : frame.offset)
-      if (step.is_rotation) m.angular = turned(step, m.angular);
+      if (step.is_rotation)
+        for (Vector3* omega : {&m.angular, &m.carried}) *omega = turned(step, *omega);
     m.inertia = aboutCom(link.inertia, tree.number(), m.mass);
     m.kinetic = kineticEnergy(m);
     result.links.push_back(std::move(m));

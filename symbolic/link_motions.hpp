@@ -13,7 +13,7 @@ namespace dynwitness::symbolic {
 
 /** Of a link that moves and has mass. With its placement R(q), p(q) in the world,
         v = dp/dt,   [omega]x = R' dR/dt
-    and no velocity is carried from link to link, as kineticByVelocities() does. */
+    and no velocity is carried from link to link, as velocities() does, but for `carried`. */
 struct LinkMotion {
   std::string link;
   int body;           ///< of Equations::links
@@ -21,6 +21,7 @@ struct LinkMotion {
   Vector3 position;   ///< of the centre of mass, in axes of the world [m]
   Vector3 velocity;   ///< of the centre of mass, in axes of the world [m/s]
   Vector3 angular;    ///< omega, in axes of the link [rad/s]
+  Vector3 carried;    ///< omega once more, from joint to joint: a sum where axes are parallel
   Symmetric inertia;  ///< I about the centre of mass, in axes of the link [kg m^2]
   Value kinetic;      ///< m v'v / 2 + omega' I omega / 2, I about the centre of mass [J]
 };

@@ -349,6 +349,17 @@ std::string notes(const scene::Mechanism& mechanism, const std::string& indent) 
   return text;
 }
 
+/// Shapes and units of what a function takes and gives: lines, each with this in front.
+std::string signatureNotes(const scene::Mechanism& mechanism, int n, const std::string& indent) {
+  const auto count = [](std::size_t k) { return "[" + std::to_string(k) + "]"; };
+  const auto dof = static_cast<std::size_t>(n);
+  return indent + "q" + count(scene::givenSlots(mechanism).size()) + " [rad, m]: positions; qd" +
+         count(dof) + " [rad/s, m/s]: rates; parameters" + count(mechanism.parameters.size()) +
+         ": in SI units, in the order below\n" + indent + "M[" + std::to_string(n) + " x " +
+         std::to_string(n) + "]" + " [kg m^2, kg m, kg], row by row; c" + count(dof) + " and g" +
+         count(dof) + " [N m where joints turn, N where they slide]\n";
+}
+
 std::string withoutFriction(const scene::Mechanism& mechanism, const std::string& indent) {
   return mechanism.hasFriction()
              ? indent +
@@ -403,8 +414,9 @@ std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
   std::string text =
       "/* M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n"
       "   joints: " +
-      jointList(equations) + "\n" + notes(mechanism, "   ") + withoutFriction(mechanism, "   ") +
-      "   " + std::to_string(count.multiplications) + " multiplications, " +
+      jointList(equations) + "\n" + signatureNotes(mechanism, equations.dof(), "   ") +
+      notes(mechanism, "   ") + withoutFriction(mechanism, "   ") + "   " +
+      std::to_string(count.multiplications) + " multiplications, " +
       std::to_string(count.additions) +
       " additions\n"
       "   parameters: " +
@@ -434,8 +446,8 @@ std::string emitPython(const Equations& equations, const scene::Mechanism& mecha
   std::string text =
       "\"\"\"M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n\n"
       "joints: " +
-      jointList(equations) + "\n" + notes(mechanism, "") + withoutFriction(mechanism, "") +
-      "parameters: " +
+      jointList(equations) + "\n" + signatureNotes(mechanism, n, "") + notes(mechanism, "") +
+      withoutFriction(mechanism, "") + "parameters: " +
       (mechanism.parameters.empty() ? "none" : parameterList(mechanism, Style::kPython, true)) +
       "\n\"\"\"\n"
       "from math import cos, sin, sqrt\n\n"
@@ -445,7 +457,7 @@ std::string emitPython(const Equations& equations, const scene::Mechanism& mecha
       "def " +
       name +
       "(q, qd, parameters=PARAMETERS):\n"
-      "    \"\"\"Mass matrix M, Coriolis and centrifugal forces c, gravity forces g.\"\"\"\n";
+      "    \"\"\"Mass matrix M (rows), Coriolis and centrifugal forces c, gravity forces g, as lists.\"\"\"\n";
   return text + pythonResults(lines, n, {"c", "g"}) + "    return M, c, g\n";
 }
 

@@ -195,7 +195,7 @@ std::optional<Formula> kineticByNames(const LinkMotions& motions, int body, Clos
       const std::string of = std::string("_") + "xyz"[k] + "_" + link.link;
       const Formula v = named(link.velocity[k], "v" + of);
       if (!isZero(v)) squares.push_back(Formula::power(v, 2));
-      w.push_back(named(link.angular[k], "omega" + of));
+      w.push_back(named(link.carried[k], "omega" + of));
     }
     if (!squares.empty() && !add(one_half * link.mass, {Formula::sum(squares)}))
       return std::nullopt;
@@ -272,7 +272,7 @@ std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAl
           "velocities",
           kVelocitiesSentence,
           {},
-          "half of mass times velocity squared is T of each link, from velocities carried from joint to joint instead" +
+          "omega, carried from joint to joint, is that of R; half of mass times velocity squared is T of each link, from velocities carried from joint to joint instead" +
               at,
           false};
   ShortOnes far(algebra, &positions), fast(algebra, &velocities);
@@ -289,12 +289,15 @@ std::vector<Step> motionSteps(Equations& e, const LinkMotions& motions, ClosedAl
     }
     for (std::size_t k = 0; k < 3; ++k) {
       const bool slow =
-          fast.add("omega_" + std::string(1, "xyz"[k]) + "_" + link.link, link.angular[k].node);
+          fast.add("omega_" + std::string(1, "xyz"[k]) + "_" + link.link, link.carried[k].node);
       all_short = all_short && slow;
     }
     if (all_short) in_velocities->insert(link.link);
   }
   std::vector<Node> moments, energies;
+  for (const LinkMotion& link : motions.links)
+    for (std::size_t k = 0; k < 3; ++k)
+      energies.push_back((link.carried[k] - link.angular[k]).node);
   for (std::size_t body = 0; body < sums.size(); ++body) {
     for (std::size_t k = 0; k < 3; ++k)
       moments.push_back((sums[body][k] - motions.first_moments[body][k]).node);
@@ -357,117 +360,168 @@ std::optional<StepEquation> namedMatrix(const Equations& e, const std::vector<Re
   return StepEquation{{Formula::ofSymbol("M"), matrix}, {}, {}, values};
 }
 
+/// The steps of a program in their order: residuals first, then results, then what is short.
+class ProgramSteps {
+ public:
+  ProgramSteps(Equations& e, const scene::Mechanism& mechanism, const Options& options, int points)
+      : e_(e),
+        mechanism_(mechanism),
+        points_(points),
+        work_("checks of the steps at rational points", (isLoaded(e) ? 8 : 7) + (listed_ ? 3 : 0),
+              3),
+        check_([this](const std::vector<Node>& residuals) {
+          const bool holds = vanish(e_, residuals, mechanism_, points_);
+          work_.done();
+          return holds;
+        }) {
+    nameCompositeBodies(mechanism, options, e);
+    link_of_ = linksOfRates(mechanism, options, e);
+    if (listed_) motions_ = linkMotions(mechanism, options, e);
+    if (is_plain_) algebra_.emplace(e);
+    const Residuals residuals = residualsOf(e);
+    steps_ = quasiSteps(e, points, check_);
+    if (listed_) {  // positions and velocities: when it is known what is short
+      motion_at_ = static_cast<long>(steps_.size());
+      steps_.resize(steps_.size() + 2);
+    }
+    addSteps(residuals);
+    addResults();
+    closeResults();
+    addLines(e, mechanism, results_, &steps_);
+    addEquations();
+  }
+
+  std::vector<Step> steps() && { return std::move(steps_); }
+
+ private:
+  std::size_t add(const char* name, const std::string& sentence, const std::string& what,
+                  const std::vector<Node>& residuals, const char* quantity = "") {
+    steps_.push_back({name, sentence, {}, what + at_, check_(residuals), quantity});
+    return steps_.size() - 1;
+  }
+  void addSteps(const Residuals& r);
+  void addForces(const Residuals& r);
+  void addResults();
+  void closeResults();
+  void addEquations();
+  /// The letter of a joint for each of its forces or momenta.
+  void ofJoints(const std::string& letter, const std::vector<Node>& nodes, std::size_t step,
+                bool is_momentum = false) {
+    for (int i = 0; i < n_; ++i)
+      results_.push_back({numbered(letter, i), nodes[static_cast<std::size_t>(i)], step, linkOf(i),
+                          is_momentum ? force(i) - kTurning : force(i)});
+  }
+
+  bool turns(int i) const { return e_.revolute[static_cast<std::size_t>(i)]; }
+  Dimension force(int i) const { return turns(i) ? kMoment : kForce; }
+  Dimension rate(int i) const { return turns(i) ? kTurning : kVelocity; }
+  int linkOf(int i) const { return link_of_[static_cast<std::size_t>(i)]; }
+  ClosedAlgebra* algebra() { return algebra_ ? &*algebra_ : nullptr; }
+
+  Equations& e_;
+  const scene::Mechanism& mechanism_;
+  const int points_, n_ = e_.dof();
+  const std::string at_ = " at " + std::to_string(points_) + " random rational points";
+  const bool quasi_ = !e_.quasi.empty(), is_plain_ = !quasi_ && !e_.hasFollowers(),
+             listed_ = is_plain_ && n_ <= kMostJointsListed;
+  scene::Work work_;
+  const Check check_;
+  std::vector<int> link_of_;
+  std::optional<LinkMotions> motions_;
+  std::optional<ClosedAlgebra> algebra_;
+  std::vector<Step> steps_;
+  std::vector<Result> results_;
+  long motion_at_ = 0;  ///< where positions and velocities stand
+  std::size_t shares_ = 0, T_ = 0, V_ = 0, p_ = 0, M_ = 0, Gamma_ = 0, c_ = 0, g_ = 0,
+              Q_ = 0;  ///< where the steps of these stand
+};
+
+void ProgramSteps::addSteps(const Residuals& r) {
+  shares_ = add("kinetic energies of the links",
+                "Angular velocity omega and velocity v of each link's joint frame, in that frame, "
+                "and from them half of mass times velocity squared.",
+                "T = qd' M qd / 2", {r.kinetic});
+  T_ = add("kinetic energy T", "The sum over the links.", "dT/dqd = M qd", r.momentum);
+  V_ = add("potential energy V", "Minus gravity times the first moment of mass, and the springs.",
+           "dV/dq is that of the links' shares", r.gravity);
+  p_ = add("momenta p", "p_i = dT/dqd_i.", "p = M qd", r.momentum);
+  M_ = add("mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
+           "M qd is the momentum of T as a sum over links", r.momentum, "M");
+  Gamma_ = steps_.size();
+  if (listed_) steps_.emplace_back();
+  addForces(r);
+}
+
+void ProgramSteps::addForces(const Residuals& r) {
+  c_ = add("Coriolis and centrifugal forces c",
+           quasi_ ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
+                  : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
+           quasi_ ? "the same from M alone, with p = M qd and T = qd' M qd/2"
+                  : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq",
+           r.force, "c");
+  g_ = add("gravity and springs g", quasi_ ? "g_i = X_i V." : "g_i = dV/dq_i.",
+           "equals the derivative of the links' shares", r.gravity, "g");
+  if (isLoaded(e_)) Q_ = add("loads Q", loadsSentence(e_), kLoadsCheck, rateSlopes(e_));
+  add("equations of motion",
+      quasi_ ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
+             : "Lagrange's equations.",
+      "power: qd' (M qdd + c + g) = d(T + V)/dt", {r.power});
+}
+
+void ProgramSteps::addResults() {
+  for (std::size_t k = 0; k < e_.links.size(); ++k)
+    results_.push_back(
+        {"T_" + e_.links[k], e_.link_kinetic[k], shares_, static_cast<int>(k), kMoment});
+  results_.push_back({"T", e_.kinetic, T_, -1, kMoment});
+  results_.push_back({"V", e_.potential, V_, -1, kMoment});
+  ofJoints("p", e_.p, p_, true);
+  for (int i = 0; i < n_; ++i)
+    for (int j = i; j < n_; ++j)
+      results_.push_back({numbered("M", i, j), e_.M[i][j], M_, std::max(linkOf(i), linkOf(j)),
+                          force(i) - kTurning - rate(j)});
+  ofJoints("c", e_.c, c_);
+  ofJoints("g", e_.g, g_);
+  if (isLoaded(e_)) ofJoints("Q", e_.Q, Q_);
+}
+
+/// Which results are short, and T and its shares by the names of what stands above them.
+void ProgramSteps::closeResults() {
+  closeShortOnes(e_, algebra(), &results_);
+  const auto of_links = static_cast<long>(e_.links.size());
+  if (listed_) {
+    std::set<std::string> in_velocities;
+    const std::vector<Step> motion =
+        motionSteps(e_, *motions_, algebra(), at_, check_, &in_velocities);
+    std::copy(motion.begin(), motion.end(), steps_.begin() + motion_at_);
+    for (long k = 0; k < of_links; ++k)
+      if (Result& share = results_[static_cast<std::size_t>(k)]; !share.closed)
+        share.closed = kineticByNames(*motions_, static_cast<int>(k), algebra(), in_velocities);
+  }
+  sumOfShares({results_.begin(), results_.begin() + of_links},
+              &results_[static_cast<std::size_t>(of_links)]);
+}
+
+/// M as a matrix, the equations of motion and Christoffel symbols.
+void ProgramSteps::addEquations() {
+  if (n_ > 1 && n_ <= kMostJointsListed)
+    if (const auto matrix = namedMatrix(e_, results_)) steps_[M_].equations.push_back(*matrix);
+  std::map<std::string, Formula> shown;
+  for (const Result& r : results_) shown[r.name] = r.closed ? *r.closed : Formula::ofSymbol(r.name);
+  for (int i = 0; i < n_; ++i)
+    steps_.back().equations.push_back(equationOfMotion(
+        e_, i, [&shown](const std::string& name, Node) { return shown.at(name); }));
+  if (!listed_) return;
+  steps_[Gamma_] = christoffelStep(e_, algebra(), at_, check_, [&](int i, int j) {
+    const std::string name = numbered("M", std::min(i, j), std::max(i, j));
+    return shown.at(name).symbol != name;
+  });
+}
+
 }  // namespace
 
 std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism,
                                const Options& options, int points) {
-  const int n = e.dof();
-  const std::string at = " at " + std::to_string(points) + " random rational points";
-  const bool loaded = isLoaded(e), quasi = !e.quasi.empty(), is_plain = !quasi && !e.hasFollowers(),
-             listed = is_plain && n <= kMostJointsListed;
-  scene::Work work("checks of the steps at rational points", (loaded ? 8 : 7) + (listed ? 3 : 0),
-                   3);
-  const Check check = [&](const std::vector<Node>& residuals) {
-    const bool holds = vanish(e, residuals, mechanism, points);
-    work.done();
-    return holds;
-  };
-  nameCompositeBodies(mechanism, options, e);
-  const std::vector<int> link_of = linksOfRates(mechanism, options, e);
-  std::optional<LinkMotions> motions;
-  if (listed) motions = linkMotions(mechanism, options, e);
-  std::optional<ClosedAlgebra> algebra;
-  if (is_plain) algebra.emplace(e);
-  ClosedAlgebra* const closing = algebra ? &*algebra : nullptr;
-
-  const Residuals r = residualsOf(e);
-  std::vector<Step> steps = quasiSteps(e, points, check);
-  const auto add = [&](const char* name, const std::string& sentence, const std::string& what,
-                       const std::vector<Node>& residuals, const char* quantity = "") {
-    steps.push_back({name, sentence, {}, what + at, check(residuals), quantity});
-    return steps.size() - 1;
-  };
-  std::vector<Result> results;
-  const auto turns = [&e](int i) { return e.revolute[static_cast<std::size_t>(i)]; };
-  const auto moment = [&](int i) { return turns(i) ? kMoment : kForce; };
-  const auto rate = [&](int i) { return turns(i) ? kTurning : kVelocity; };
-  const auto linkOf = [&link_of](int i) { return link_of[static_cast<std::size_t>(i)]; };
-  const auto ofJoints = [&](const std::string& letter, const std::vector<Node>& nodes,
-                            std::size_t step, bool is_momentum) {
-    for (int i = 0; i < n; ++i)
-      results.push_back({numbered(letter, i), nodes[static_cast<std::size_t>(i)], step, linkOf(i),
-                         is_momentum ? moment(i) - kTurning : moment(i)});
-  };
-  const std::size_t first = steps.size();
-  if (listed) steps.resize(first + 2);  // positions and velocities: when it is known what is short
-  const std::size_t shares = add(
-      "kinetic energies of the links",
-      "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
-      "them half of mass times velocity squared.",
-      "T = qd' M qd / 2", {r.kinetic});
-  const std::size_t T =
-      add("kinetic energy T", "The sum over the links.", "dT/dqd = M qd", r.momentum);
-  const std::size_t V =
-      add("potential energy V", "Minus gravity times the first moment of mass, and the springs.",
-          "dV/dq is that of the links' shares", r.gravity);
-  const std::size_t p = add("momenta p", "p_i = dT/dqd_i.", "p = M qd", r.momentum);
-  const std::size_t M =
-      add("mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
-          "M qd is the momentum of T as a sum over links", r.momentum, "M");
-  const std::size_t Gamma = steps.size();
-  if (listed) steps.emplace_back();
-  const std::size_t c = add("Coriolis and centrifugal forces c",
-                            quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
-                                  : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
-                            quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
-                                  : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq",
-                            r.force, "c");
-  const std::size_t g = add("gravity and springs g", quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
-                            "equals the derivative of the links' shares", r.gravity, "g");
-  const std::size_t Q = loaded ? add("loads Q", loadsSentence(e), kLoadsCheck, rateSlopes(e)) : 0;
-  add("equations of motion",
-      quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
-            : "Lagrange's equations.",
-      "power: qd' (M qdd + c + g) = d(T + V)/dt", {r.power});
-
-  for (std::size_t k = 0; k < e.links.size(); ++k)
-    results.push_back({"T_" + e.links[k], e.link_kinetic[k], shares, static_cast<int>(k), kMoment});
-  const auto of_links = static_cast<long>(results.size());
-  results.push_back({"T", e.kinetic, T, -1, kMoment});
-  results.push_back({"V", e.potential, V, -1, kMoment});
-  ofJoints("p", e.p, p, true);
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j)
-      results.push_back({numbered("M", i, j), e.M[i][j], M, std::max(linkOf(i), linkOf(j)),
-                         moment(i) - kTurning - rate(j)});
-  ofJoints("c", e.c, c, false);
-  ofJoints("g", e.g, g, false);
-  if (loaded) ofJoints("Q", e.Q, Q, false);
-  closeShortOnes(e, closing, &results);
-  if (listed) {
-    std::set<std::string> in_velocities;
-    const std::vector<Step> motion = motionSteps(e, *motions, closing, at, check, &in_velocities);
-    std::copy(motion.begin(), motion.end(), steps.begin() + static_cast<long>(first));
-    for (long k = 0; k < of_links; ++k)
-      if (Result& share = results[static_cast<std::size_t>(k)]; !share.closed)
-        share.closed = kineticByNames(*motions, static_cast<int>(k), closing, in_velocities);
-  }
-  sumOfShares({results.begin(), results.begin() + of_links},
-              &results[static_cast<std::size_t>(of_links)]);
-  addLines(e, mechanism, results, &steps);
-  if (n > 1 && n <= kMostJointsListed)
-    if (const auto matrix = namedMatrix(e, results)) steps[M].equations.push_back(*matrix);
-  std::map<std::string, Formula> shown;
-  for (const Result& r : results) shown[r.name] = r.closed ? *r.closed : Formula::ofSymbol(r.name);
-  for (int i = 0; i < n; ++i)
-    steps.back().equations.push_back(
-        equationOfMotion(e, i, [&shown](const std::string& name, Node) { return shown.at(name); }));
-  if (listed)
-    steps[Gamma] = christoffelStep(e, closing, at, check, [&](int i, int j) {
-      return shown.at(numbered("M", std::min(i, j), std::max(i, j))).symbol !=
-             numbered("M", std::min(i, j), std::max(i, j));
-    });
-  return steps;
+  return ProgramSteps(e, mechanism, options, points).steps();
 }
 
 }  // namespace dynwitness::symbolic

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "scene/state.hpp"
+#include "symbolic/mathml_pieces.hpp"
 #include "symbolic/program.hpp"
 
 namespace dynwitness::symbolic {
@@ -729,7 +730,8 @@ ReadBack readBack(const Derivation& derivation, const std::string& document, Sty
     std::string reading;
     try {
       Point point(derivation, style, seed);
-      const std::vector<Sides> printed = equationsIn(document, style);
+      const std::vector<Sides> printed =
+          equationsIn(style == Style::kMathml ? withoutPieces(document) : document, style);
       std::size_t next = 0, value = 0;
       result.formulas = 0;
       for (const Step& step : derivation.steps) {

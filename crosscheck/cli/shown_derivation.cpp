@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crosscheck/cli/latex_drawing.hpp"
 #include "crosscheck/exact/equation_zeros.hpp"
 #include "crosscheck/exact/ledger.hpp"
 #include "crosscheck/exact/newton_euler_steps.hpp"
@@ -15,6 +16,7 @@
 #include "symbolic/derivation.hpp"
 #include "symbolic/read_back.hpp"
 #include "symbolic/selection.hpp"
+#include "symbolic/sentence.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -23,17 +25,31 @@ constexpr const char* kDerivationCss = R"(
 summary { cursor: pointer }
 .step { margin: 1.2rem 0 } .step > summary { font-weight: bold }
 .equation { display: flex; align-items: center; gap: .6rem }
-.equation math { font-size: 1.1em; overflow-x: auto; overflow-y: hidden; padding: .2rem 0; flex: 1 }
+.formula { flex: 1; min-width: 0; overflow-x: auto; overflow-y: hidden; padding: .2rem 0 .2rem 2.5rem; text-indent: -1.5rem; line-height: 1.9 }
+.formula math { font-size: 1.1em; text-indent: 0 }
 .equation button { font-size: .7rem; opacity: .6 }
 .lines { display: flex; flex-wrap: wrap; column-gap: 1.6rem; font-size: .92em }
 .lines .equation { flex: 0 1 auto; min-width: 0 } .group, .values { font-size: .92em }
+.lines .formula { padding-left: 1.5rem }
 .group { margin: .8rem 0 .2rem }
 .holds, .fails { font-size: .9rem } .fails { font-weight: bold }
 .columns { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 2rem }
-@media (max-width: 60rem) { .columns { display: block } }
-@media print { .equation button, .holds { display: none } .columns { display: block } }
+@media (max-width: 60rem) {
+  .columns { display: block } .formula { padding-left: 1.5rem }
+  .equation { position: relative } .equation button { display: none; position: absolute; right: 0 }
+  .equation:hover button, .equation:focus-within button { display: block; opacity: 1 }
+}
+@media print {
+  .equation button { display: none } .columns { display: block } #picture { height: 8cm }
+  .formula { overflow: visible; padding-block: .1rem } .formula math { font-size: 1em }
+  summary { color: inherit; padding: 0; list-style: none } .holds { font-size: .8rem; color: var(--soft) }
+  .holds > summary, .holds > p { display: inline } .holds > summary::after { content: ": " }
+  .step { margin: .9rem 0 } .equation, .holds { break-inside: avoid } .holds { break-before: avoid }
+  h2, .group, .step > summary, .step > summary + p { break-after: avoid }
+}
 )";
-// a browser without a clipboard (a file opened from disk in some) shows no buttons
+// A browser without a clipboard (a file opened from disk in some) shows no buttons. What is folded
+// away is printed: paper does not unfold.
 constexpr const char* kDerivationScript = R"(
 if (navigator.clipboard) for (const line of document.querySelectorAll('.equation')) {
   const button = document.createElement('button');
@@ -41,6 +57,11 @@ if (navigator.clipboard) for (const line of document.querySelectorAll('.equation
   button.onclick = () => navigator.clipboard.writeText(line.dataset.latex);
   line.append(button);
 }
+const unfolded = [];
+addEventListener('beforeprint', () => {
+  for (const fold of document.querySelectorAll('details:not([open])')) { fold.open = true; unfolded.push(fold); }
+});
+addEventListener('afterprint', () => { for (const fold of unfolded.splice(0)) fold.open = false; });
 )";
 
 /// The mechanism as `show` draws it, what each q means, and below it the steps.
@@ -53,6 +74,29 @@ std::string htmlPage(const scene::Scene& scene, const std::string& body) {
                   crosscheck::jointsHtml(scene), kDerivationCss, body, kDerivationScript));
 }
 
+/// Which joint each q is, as tables that fit on a page; empty: none moves.
+std::string latexJoints(const scene::Scene& scene) {
+  constexpr std::size_t kRows = 40;  // 174 of a page's 257 mm
+  const std::vector<std::string> columns = {"q",    "joint",  "kind", "unit",
+                                            "axis", "parent", "child"};
+  const auto inLatex = [](const std::string& cell) {
+    return symbolic::printSentence(cell, symbolic::Style::kLatex);
+  };
+  std::string text;
+  std::size_t row = 0;
+  for (const std::vector<std::string>& joint : crosscheck::jointCells(scene, columns)) {
+    if (row++ % kRows == 0)
+      text +=
+          fmt::format("{}{{\\footnotesize\\begin{{tabular}}{{@{{}}{}@{{}}}}\n{} \\\\\n\\hline\n",
+                      row == 1 ? "" : "\\end{tabular}}\n\n", std::string(columns.size(), 'l'),
+                      fmt::join(columns, " & "));
+    std::vector<std::string> cells(joint.size());
+    std::transform(joint.begin(), joint.end(), cells.begin(), inLatex);
+    text += fmt::format("{} \\\\\n", fmt::join(cells, " & "));
+  }
+  return text.empty() ? text : text + "\\end{tabular}}\n\n";
+}
+
 std::string latexDocument(const std::string& title, const std::string& body) {
   return fmt::format(
       "\\documentclass{{article}}\n"
@@ -62,6 +106,7 @@ std::string latexDocument(const std::string& title, const std::string& body) {
       "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
       "\\binoppenalty=100 \\relpenalty=50 \\allowdisplaybreaks\n"
       "\\setlength{{\\parindent}}{{0pt}}\\setlength{{\\parskip}}{{0.4em}}\n"
+      "\\renewcommand{{\\arraystretch}}{{1.3}}\n"
       "\\title{{{0}}}\\date{{}}\n"
       "\\begin{{document}}\n\\maketitle\\raggedright\n{1}\\end{{document}}\n",
       title, body);
@@ -176,9 +221,14 @@ DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& 
                                                           : symbolic::Style::kText;
   const std::string body = symbolic::print(shown, style, asked.checks),
                     title = symbolic::printText(scene.title, style);
+  // who asks for a line wants that line
+  const std::string mechanism =
+      style == symbolic::Style::kLatex && asked.only.empty()
+          ? latexDrawing(crosscheck::viewOf(changed)) + latexJoints(changed)
+          : "";
   out.text = style == symbolic::Style::kText     ? body
              : style == symbolic::Style::kMathml ? htmlPage(scene, body)
-                                                 : latexDocument(title, body);
+                                                 : latexDocument(title, mechanism + body);
   if (!asked.proof) return out;
   const symbolic::ReadBack read = symbolic::readBack(shown, out.text, style);
   out.problem = read.problem;

@@ -434,6 +434,22 @@ std::string jointsHtml(const scene::Scene& scene) {
   return joints.rows.empty() ? std::string() : htmlOf(joints, scene.name);
 }
 
+std::vector<std::vector<std::string>> jointCells(const scene::Scene& scene,
+                                                 const std::vector<std::string>& columns) {
+  const Shown shown{scene};
+  const Facts facts(shown);
+  const Table joints = jointTable(facts);
+  std::vector<std::vector<std::string>> cells(joints.rows.size());
+  for (const std::string& name : columns) {
+    const auto column = std::find_if(joints.columns.begin(), joints.columns.end(),
+                                     [&](const Table::Column& c) { return c.name == name; });
+    const std::ptrdiff_t k = column - joints.columns.begin();
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      cells[i].push_back(*(joints.rows[i].begin() + k));
+  }
+  return cells;
+}
+
 std::string showPage(const Shown& shown, const View& view, const std::string& version) {
   const Facts facts(shown);
   const scene::Scene& scene = shown.scene;

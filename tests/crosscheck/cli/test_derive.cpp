@@ -43,9 +43,11 @@ BOOST_AUTO_TEST_CASE(one_line_in_three_notations) {
     BOOST_TEST(!has(page, "check: "));
     BOOST_TEST(!has(page, "Check: "));
     BOOST_TEST(!has(page, "Checked exactly"));
-    BOOST_TEST(has(page, "phi is q2"));
     BOOST_TEST(has(page, "Put in: l1=1/2"));
   }
+  BOOST_TEST(has(text, "phi is q2"));
+  BOOST_TEST(has(latex, "$\\phi$ is $q_{2}$"), latex);
+  BOOST_TEST(has(html, "<mi>&#x3d5;</mi></mrow></math> is <math><mrow><msub><mi>q</mi>"), html);
 }
 
 BOOST_AUTO_TEST_CASE(shorthand_and_parameters_in_three_notations) {
@@ -105,6 +107,37 @@ BOOST_AUTO_TEST_CASE(the_page_begins_with_the_mechanism) {
   BOOST_REQUIRE(first != std::string::npos);
   BOOST_TEST(picture < joints);
   BOOST_TEST(joints < first);
+}
+
+BOOST_AUTO_TEST_CASE(the_document_begins_with_the_mechanism) {
+  const Program program;
+  const std::string document = program.run("derive double_pendulum --format latex").out;
+  const std::size_t picture = document.find("\\begin{picture}"),
+                    joints =
+                        document.find("$q_{2}$ & elbow & revolute & rad & 0 1 0 & upper & lower"),
+                    first = document.find("\\paragraph{1. positions}");
+  BOOST_REQUIRE(picture != std::string::npos);
+  BOOST_REQUIRE(joints != std::string::npos);
+  BOOST_REQUIRE(first != std::string::npos);
+  BOOST_TEST(picture < joints);
+  BOOST_TEST(joints < first);
+  // who asks for a line wants that line
+  BOOST_TEST(
+      !has(program.run("derive double_pendulum --format latex --only M12").out, "{picture}"));
+}
+
+/// Browsers end no line within a math element: a page printed, or on a phone, would be cut.
+BOOST_AUTO_TEST_CASE(long_equations_of_a_page_may_end_lines) {
+  const Program program;
+  const std::string page = program.run("derive double_pendulum --format html").out;
+  const std::size_t motion = page.find("equations of motion</summary>"),
+                    first = page.find("<span class=\"formula\">", motion),
+                    last = page.find("</span>", first);
+  BOOST_REQUIRE(last != std::string::npos);
+  std::size_t pieces = 0;
+  for (std::size_t at = first; (at = page.find("<math ", at)) < last; ++at) ++pieces;
+  BOOST_TEST(pieces >= 5u);  // terms of the first equation of motion
+  BOOST_TEST(has(page, "addEventListener('beforeprint'"));
 }
 
 BOOST_AUTO_TEST_CASE(what_is_none_is_refused_with_the_nearest) {
