@@ -225,8 +225,8 @@ std::string driftsAlongScript(const std::string& title, const std::vector<Drift>
           "40 title {}",
           plots.empty() ? "" : ", \\\n     ", gnuplotString(drift.method),
           lookOfMethod(drift.method),
-          gnuplotString(fmt::format("{}: {:.3g} s, at most {:.2g}", drift.method, path.step,
-                                    path.worst)));
+          gnuplotString(
+              fmt::format("{}: {:.3g} s, at most {:.2g}", drift.method, path.step, path.worst)));
     }
   if (plots.empty()) return {};
   return fmt::format(

@@ -103,8 +103,7 @@ void putFamily(std::string* page, const Turned& turned) {
       "<p><strong>What survives.</strong> {3}</p>\n",
       esc(family.name), esc(family.title), esc(family.mechanism), esc(family.survivor));
   for (const Theory& theory : family.theories)
-    put(page, "<p><strong>{}{}.</strong> {}.</p>\n",
-        theory.isClaimed() ? "Theory" : "No theory",
+    put(page, "<p><strong>{}{}.</strong> {}.</p>\n", theory.isClaimed() ? "Theory" : "No theory",
         !theory.methods.empty()            ? " of " + esc(aboutWords(theory))
         : theory.road == Road::kMassMatrix ? " where M is formed"
         : theory.road == Road::kSweep      ? " of sweeps"

@@ -56,9 +56,8 @@ std::string theoryName(const Theory& theory, const Arithmetic& numbers) {
         names += (names.empty() ? "" : " ") + method;
     return "theory: " + names;
   }
-  return theory.road == Road::kAny
-             ? fmt::format("theory: {}", numbers.name)
-             : fmt::format("theory: {} {}", aboutWords(theory), numbers.name);
+  return theory.road == Road::kAny ? fmt::format("theory: {}", numbers.name)
+                                   : fmt::format("theory: {} {}", aboutWords(theory), numbers.name);
 }
 
 /// The arithmetics that a theory has a line in: of a road both, of methods theirs.
@@ -67,9 +66,8 @@ std::vector<const Arithmetic*> arithmeticsOf(const Theory& theory) {
   std::vector<const Arithmetic*> out;
   for (const Arithmetic* numbers : {&inDouble(), &inFloat()})
     if (theory.methods.empty() ||
-        std::any_of(
-            theory.methods.begin(), theory.methods.end(),
-            [&](const std::string& m) { return isInFloat(m) == (numbers == &inFloat()); }))
+        std::any_of(theory.methods.begin(), theory.methods.end(),
+                    [&](const std::string& m) { return isInFloat(m) == (numbers == &inFloat()); }))
       out.push_back(numbers);
   return out;
 }

@@ -63,9 +63,7 @@ Family heavyTip() {
        "the tip's articulated mass s - (s c)^2 / (s c^2 + J) cancels s down to J / c^2: error u s "
        "l^2 / (I1 + l^2 J / c^2), of s c twice, three roundings in s c^2 + J, a product and a "
        "quotient, and three on the way by l: (4 + 3 + 2 + 3) / 3 under the root",
-       [moved](double s, const Arithmetic& a) {
-         return rounded(12, a) * s * 0.7 * 0.7 / moved();
-       }},
+       [moved](double s, const Arithmetic& a) { return rounded(12, a) * s * 0.7 * 0.7 / moved(); }},
       theoryOf({"articulated_body", "articulated_body float", "fast"},
                "(s c) c in D is formed of the same rounded s c as U, which so counts once: with "
                "D's product and sum, 1 / D and two products six roundings of s; U / D of the turn "
@@ -134,18 +132,18 @@ Family vanishingRotor() {
     return caseOf("vanishing_rotor", {light, body}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5},
                   {1, 0.5});
   };
-  f.theories = {{Road::kAny,
-                 "(J + 1/s) - J^2 / J cancels the body's J = 0.3 + 0.25 + 0.01 down to the rotor's "
-                 "1/s: error u s J, of some three roundings",
-                 [](double s, const Arithmetic& a) { return rounded(3, a) * s * 0.56; }},
-                theoryOf({"articulated_body", "articulated_body float", "fast", "kernel",
-                          "kernel_lanes"},
-                         "J - J (J / J) is exactly 0, and the rotor is added to that: nothing is "
-                         "lost",
-                         nothingCancels),
-                noTheoryOf({"recursive_lagrange"},
-                           "it finds J as a trace of products of 4 x 4 matrices, by roundings that "
-                           "were not counted")};
+  f.theories = {
+      {Road::kAny,
+       "(J + 1/s) - J^2 / J cancels the body's J = 0.3 + 0.25 + 0.01 down to the rotor's "
+       "1/s: error u s J, of some three roundings",
+       [](double s, const Arithmetic& a) { return rounded(3, a) * s * 0.56; }},
+      theoryOf({"articulated_body", "articulated_body float", "fast", "kernel", "kernel_lanes"},
+               "J - J (J / J) is exactly 0, and the rotor is added to that: nothing is "
+               "lost",
+               nothingCancels),
+      noTheoryOf({"recursive_lagrange"},
+                 "it finds J as a trace of products of 4 x 4 matrices, by roundings that "
+                 "were not counted")};
   f.mechanism =
       "What turns the first joint without the second is the rotor alone; a simulation with links "
       "left massless, or rotors made small to be left out, has to find it as a difference of the "
@@ -234,8 +232,7 @@ Family gears() {
     lower.rotor = "1e-4";
     return caseOf("gears", {upper, lower}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5}, {1, 0.5});
   };
-  f.theories = {{Road::kMassMatrix,
-                 "n^2 leaves the numbers of the arithmetic: n = sqrt(largest)",
+  f.theories = {{Road::kMassMatrix, "n^2 leaves the numbers of the arithmetic: n = sqrt(largest)",
                  untilItsSquareOverflows},
                 theoryOf({"lagrange", "kernel", "kernel_lanes", "simbody"},
                          "n^2 J is formed exactly, or J n first, and leaves the numbers of the "

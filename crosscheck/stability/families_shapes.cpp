@@ -64,19 +64,20 @@ Family thinRod() {
     rod.products = {"0", "0", less + n.yz};
     return caseOf("thin_rod", {rod}, noGravity(), {0.4}, {}, {1});
   };
-  f.theories = {{Road::kAny,
-                 "n' I n = I_yy n_y^2 + 2 I_yz n_y n_z + I_zz n_z^2, with I = 1 - (1 - 1/s) n n', "
-                 "cancels 1 down to 1/s: the roundings of the three stored entries alone leave u s "
-                 "(2 6^(1/2) n_y^2 n_z^2) / 3^(1/2), n = (0, 0.6, 0.8)",
-                 [](double s, const Arithmetic& a) {
-                   return rounded(1, a) * s * std::sqrt(6.0) * 0.36 * 0.64;
-                 }},
-                theoryOf({"lagrange", "kernel", "kernel_lanes"},
-                         "n' I n is one number, found exactly before it is rounded: nothing is lost",
-                         nothingCancels),
-                noTheoryOf({"recursive_lagrange", "simbody"},
-                           "they turn the whole tensor into other axes, or into second moments of "
-                           "mass, before n' I n is left of it, by roundings that were not counted")};
+  f.theories = {
+      {Road::kAny,
+       "n' I n = I_yy n_y^2 + 2 I_yz n_y n_z + I_zz n_z^2, with I = 1 - (1 - 1/s) n n', "
+       "cancels 1 down to 1/s: the roundings of the three stored entries alone leave u s "
+       "(2 6^(1/2) n_y^2 n_z^2) / 3^(1/2), n = (0, 0.6, 0.8)",
+       [](double s, const Arithmetic& a) {
+         return rounded(1, a) * s * std::sqrt(6.0) * 0.36 * 0.64;
+       }},
+      theoryOf({"lagrange", "kernel", "kernel_lanes"},
+               "n' I n is one number, found exactly before it is rounded: nothing is lost",
+               nothingCancels),
+      noTheoryOf({"recursive_lagrange", "simbody"},
+                 "they turn the whole tensor into other axes, or into second moments of "
+                 "mass, before n' I n is left of it, by roundings that were not counted")};
   f.mechanism =
       "The smallest moment of inertia is not an entry of the inertia matrix but a difference of "
       "entries. Stored in inclined axes, each rounded, the matrix has forgotten it when 1/s is of "
