@@ -185,9 +185,8 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
   };
   const auto gain = [&](double h) -> StepGain {
     if (known.remembers) return {};
-    if (leavesMotion(known))
-      return gainOfModified(motion, spectrum.along.states.front(), method, duration, h, enough);
-    return gainAlong(motion, spectrum.along, method, h, enough);
+    if (!leavesMotion(known)) return gainAlong(motion, spectrum.along, method, h, enough);
+    return gainOfModified(motion, spectrum.along.states.front(), method, duration, h, enough);
   };
   const auto doubles = [&](double h) { return grows(h) || gain(h).gained > enough; };
   // from below: regions of stability may have islands beyond their first border

@@ -23,20 +23,26 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 
 StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const std::string& method,
                    double h, double enough) {
+  const bool is_symmetric = integratorNamed(method).symplectic == Symplectic::kYes;
   const auto stepper = stepsOf<double>(method, motion);
+  const auto energyAfter = [&](Vector y, double step) {
+    stepper->forget();
+    stepper->step(&y, 0, step);
+    return motion.energy(y);
+  };
   double sum = 0;
   StepGain out;
   for (const Vector& state : along.states) {
-    Vector y = state;
-    stepper->forget();
+    double gained = 0;
     try {
-      stepper->step(&y, 0, h);
+      gained = is_symmetric ? (energyAfter(state, h) - energyAfter(state, -h)) / 2
+                            : energyAfter(state, h) - motion.energy(state);
     } catch (const scene::InputError&) {
       throw;
     } catch (const std::runtime_error&) {
       return {kAny, true};
     }
-    sum += (motion.energy(y) - motion.energy(state)) * along.apart / h;
+    sum += gained * along.apart / h;
     out.gained = std::isfinite(sum) ? std::max(out.gained, sum) : kAny;
     if (out.gained > enough) break;
   }
@@ -50,11 +56,11 @@ StepGain gainOfModified(TreeMotion<double>& motion, const Vector& start, const s
   const auto step = stepsOf<double>(method, motion),
              exact = stepsOf<double>("runge_kutta_fehlberg78", motion);
   const auto rate = [&](const Vector& y, Vector& out, double time) {
-    Vector stepped = y, moved = y;
+    Vector again = y;
     motion.rate(y, time, &out);
-    step->step(&stepped, time, h);
-    exact->step(&moved, time, h);
-    for (std::size_t i = 0; i < y.size(); ++i) out[i] += (stepped[i] - moved[i]) / h;
+    exact->step(&again, time, -h);
+    step->step(&again, time - h, h);
+    for (std::size_t i = 0; i < y.size(); ++i) out[i] += (again[i] - y[i]) / h;
   };
   auto stepper =
       odeint::make_controlled(kStepError, kStepError, odeint::runge_kutta_dopri5<Vector>());

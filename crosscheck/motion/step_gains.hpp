@@ -25,9 +25,15 @@ struct StepGain {
         largest sum up to a state  (apart / h) (E(Phi_h(y)) - E(y)).
 
     Along a motion that keeps its energy this is what steps add to it. Of a symplectic method each
-    term is a difference of the modified energy's distance from E, so that the sum is how far E
-    swings (Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, IX.3); states have to be
-    near enough to each other for that, a fraction of the fastest oscillation apart.
+    term is a difference of what its modified energy is apart from E (Hairer, Lubich, Wanner, Geometric
+    Numerical Integration, 2006, IX.3), and the sum is how far E swings; states have to be a fraction
+    of the fastest oscillation apart for that. But its steps go along levels of the modified energy,
+    and from those of E they gain on the whole, to the second order in what these are apart. A step
+    back gains as much, so that of these methods, which are symmetric, Phi_-h being the inverse of
+    Phi_h,
+
+        (apart / h) (E(Phi_h(y)) - E(Phi_-h(y))) / 2   is added up.
+
     @param enough  the sum ends there [J] */
 StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const std::string& method,
                    double h, double enough);
@@ -35,10 +41,11 @@ StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const s
 /** The motion that steps follow where they gain at any length, which they leave for others that
     gain otherwise: the modified equation to its first term,
 
-        y' = f(y) + (Phi_h(y) - phi_h(y)) / h,
+        y' = f(y) + (Phi_h(phi_-h(y)) - y) / h,
 
-    phi_h the motion itself (by Runge-Kutta-Fehlberg 7(8) in one step of h). Its own steps are as
-    long as its solution allows, whatever h is.
+    phi_-h the motion itself, back (by Runge-Kutta-Fehlberg 7(8) in one step of -h): of y' = lambda
+    y that is lambda + (R(z) e^-z - 1) / h, z = h lambda, whose real part is that of log R / h to the
+    first order at which it grows. Its own steps are as long as its solution allows, whatever h is.
     @return the largest gain of energy up to `duration` or `enough`
     @see Hairer, Lubich, Wanner, IX.1 */
 StepGain gainOfModified(TreeMotion<double>& motion, const std::vector<double>& start,
