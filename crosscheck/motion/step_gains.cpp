@@ -24,25 +24,27 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const std::string& method,
                    double h, double enough) {
   const bool is_symmetric = integratorNamed(method).symplectic == Symplectic::kYes;
-  const auto stepper = stepsOf<double>(method, motion);
-  const auto energyAfter = [&](Vector y, double step) {
-    stepper->forget();
-    stepper->step(&y, 0, step);
+  // each goes on from its last step's solution as a first guess, as a run does
+  const auto forward = stepsOf<double>(method, motion), back = stepsOf<double>(method, motion);
+  const auto energyAfter = [&](Steps<double>& steps, Vector y, double step) {
+    steps.step(&y, 0, step);
     return motion.energy(y);
   };
+  const auto every = std::max<std::size_t>(1, std::lround(h / along.apart));
   double sum = 0;
   StepGain out;
-  for (const Vector& state : along.states) {
+  for (std::size_t k = 0; k < along.states.size(); k += every) {
+    const Vector& state = along.states[k];
     double gained = 0;
     try {
-      gained = is_symmetric ? (energyAfter(state, h) - energyAfter(state, -h)) / 2
-                            : energyAfter(state, h) - motion.energy(state);
+      gained = is_symmetric ? (energyAfter(*forward, state, h) - energyAfter(*back, state, -h)) / 2
+                            : energyAfter(*forward, state, h) - motion.energy(state);
     } catch (const scene::InputError&) {
       throw;
     } catch (const std::runtime_error&) {
       return {kAny, true};
     }
-    sum += gained * along.apart / h;
+    sum += gained * along.apart * static_cast<double>(every) / h;
     out.gained = std::isfinite(sum) ? std::max(out.gained, sum) : kAny;
     if (out.gained > enough) break;
   }
@@ -54,13 +56,22 @@ StepGain gainOfModified(TreeMotion<double>& motion, const Vector& start, const s
   constexpr double kStepError = 1e-5;  // of a gain that is compared with all of the energy
   constexpr int kMostSteps = 1 << 16;
   const auto step = stepsOf<double>(method, motion),
-             exact = stepsOf<double>("runge_kutta_fehlberg78", motion);
+             exact = stepsOf<double>("runge_kutta_dopri5", motion);
+  const auto beside = [&](const Vector& y, double time) {
+    Vector d = y;
+    exact->step(&d, time, -h / 2);
+    step->step(&d, time - h / 2, h);
+    exact->step(&d, time + h / 2, -h / 2);
+    for (std::size_t i = 0; i < y.size(); ++i) d[i] -= y[i];
+    return d;
+  };
   const auto rate = [&](const Vector& y, Vector& out, double time) {
-    Vector again = y;
     motion.rate(y, time, &out);
-    exact->step(&again, time, -h);
-    step->step(&again, time - h, h);
-    for (std::size_t i = 0; i < y.size(); ++i) out[i] += (again[i] - y[i]) / h;
+    const Vector d = beside(y, time);
+    Vector moved = y;
+    for (std::size_t i = 0; i < y.size(); ++i) moved[i] += d[i];
+    const Vector again = beside(moved, time);
+    for (std::size_t i = 0; i < y.size(); ++i) out[i] += (3 * d[i] - again[i]) / (2 * h);
   };
   auto stepper =
       odeint::make_controlled(kStepError, kStepError, odeint::runge_kutta_dopri5<Vector>());

@@ -34,18 +34,22 @@ struct StepGain {
 
         (apart / h) (E(Phi_h(y)) - E(Phi_-h(y))) / 2   is added up.
 
+    Asked are states that are h apart, or as near to each other as there are: as many as a run of
+    such steps would come by, so that a step without a solution is met as often as there.
     @param enough  the sum ends there [J] */
 StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const std::string& method,
                    double h, double enough);
 
 /** The motion that steps follow where they gain at any length, which they leave for others that
-    gain otherwise: the modified equation to its first term,
+    gain otherwise: the modified equation to its first terms. What a step does beside the motion is
+    taken in its middle,
 
-        y' = f(y) + (Phi_h(phi_-h(y)) - y) / h,
+        y + d(y) = phi_-h/2(Phi_h(phi_-h/2(y))),   y' = f(y) + (d(y) - (d(y + d(y)) - d(y)) / 2) / h,
 
-    phi_-h the motion itself, back (by Runge-Kutta-Fehlberg 7(8) in one step of -h): of y' = lambda
-    y that is lambda + (R(z) e^-z - 1) / h, z = h lambda, whose real part is that of log R / h to the
-    first order at which it grows. Its own steps are as long as its solution allows, whatever h is.
+    phi the motion itself, back (by Dormand and Prince's step, of order 5: for methods of order 1
+    and 2). The bracket is the logarithm of 1 + d to its second order, and stands in the middle so
+    that it and f commute to that order (Strang's splitting). Its own steps are as long as its
+    solution allows, whatever h is.
     @return the largest gain of energy up to `duration` or `enough`
     @see Hairer, Lubich, Wanner, IX.1 */
 StepGain gainOfModified(TreeMotion<double>& motion, const std::vector<double>& start,
