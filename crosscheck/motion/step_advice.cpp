@@ -189,8 +189,9 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
     return gainOfModified(motion, spectrum.along.states.front(), method, duration, h, enough);
   };
   const auto doubles = [&](double h) { return grows(h) || gain(h).gained > enough; };
-  // from below: regions of stability may have islands beyond their first border
-  constexpr double kFiner = 1.1;
+  // from below: regions of stability may have islands beyond their first border; what a modified
+  // equation gains rises with h, and costs more to ask
+  const double kFiner = leavesMotion(known) ? 2 : 1.1;
   double held = 0, broken = 0, h = 0;
   for (const double share : {0.05, 1e-3, 1e-8}) {
     h = std::min(share / fastest, duration);
@@ -201,7 +202,8 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
     out.step = kAny;
     return out;
   }
-  for (int k = 0; k < 10; ++k) {
+  constexpr int kBisections = 7;
+  for (int k = 0; k < kBisections; ++k) {
     const double middle = (held + broken) / 2;
     (doubles(middle) ? broken : held) = middle;
   }

@@ -53,7 +53,7 @@ StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const s
 
 StepGain gainOfModified(TreeMotion<double>& motion, const Vector& start, const std::string& method,
                         double duration, double h, double enough) {
-  constexpr double kStepError = 1e-5;  // of a gain that is compared with all of the energy
+  constexpr double kStepError = 1e-4;  // of a gain that is compared with all of the energy
   constexpr int kMostSteps = 1 << 16;
   const auto step = stepsOf<double>(method, motion),
              exact = stepsOf<double>("runge_kutta_dopri5", motion);
