@@ -79,9 +79,6 @@ bool growsAlong(const SpectrumAlong& spectrum, const std::string& method, double
   return !(2 * growthAlong(spectrum, method, h).all <= std::log(2.0));
 }
 
-bool isAStable(const Integrator& method) {
-  return std::isinf(method.imaginary_limit) && std::isinf(method.real_limit);
-}
 /// Whether a method leaves the motion by what it gains, at steps far below its eigenvalues' limits.
 bool leavesMotion(const Integrator& method) {
   return !method.remembers &&

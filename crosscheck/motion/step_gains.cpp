@@ -10,8 +10,6 @@
 #include <boost/numeric/odeint/stepper/generation.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 
-#include "crosscheck/motion/integrators.hpp"
-
 namespace dynwitness::crosscheck {
 namespace {
 
@@ -21,12 +19,19 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
+bool isAStable(const Integrator& method) {
+  return std::isinf(method.imaginary_limit) && std::isinf(method.real_limit);
+}
+
 StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const std::string& method,
                    double h, double enough) {
   const bool is_symmetric = integratorNamed(method).symplectic == Symplectic::kYes;
-  // each goes on from its last step's solution as a first guess, as a run does
+  // an implicit one goes on from its last step's solution as a first guess, as a run does; others
+  // may keep a slope, which is not that of the next state
+  const bool keeps = isAStable(integratorNamed(method));
   const auto forward = stepsOf<double>(method, motion), back = stepsOf<double>(method, motion);
   const auto energyAfter = [&](Steps<double>& steps, Vector y, double step) {
+    if (!keeps) steps.forget();
     steps.step(&y, 0, step);
     return motion.energy(y);
   };
@@ -61,7 +66,9 @@ StepGain gainOfModified(TreeMotion<double>& motion, const Vector& start, const s
     Vector d = y;
     exact->step(&d, time, -h / 2);
     step->step(&d, time - h / 2, h);
+    exact->forget();  // it keeps the slope at the end of its last step
     exact->step(&d, time + h / 2, -h / 2);
+    exact->forget();
     for (std::size_t i = 0; i < y.size(); ++i) d[i] -= y[i];
     return d;
   };

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
 
 namespace dynwitness::crosscheck {
@@ -14,6 +15,9 @@ struct StatesAlong {
   std::vector<std::vector<double>> states;
   double apart = 0;  ///< [s]
 };
+
+/// No eigenvalue ends its steps. Such methods are implicit.
+bool isAStable(const Integrator& method);
 
 struct StepGain {
   double gained = 0;         ///< [J]; infinity: it left the numbers
