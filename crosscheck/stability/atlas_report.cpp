@@ -294,9 +294,13 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
       for (const Arithmetic* numbers : arithmeticsOf(theory)) {
         if (!ours && numbers == &inFloat()) continue;  // engines compute in double
         if (!isAbout(theory, turned, ours)) continue;
-        const std::string name = theoryName(theory, *numbers);
-        add(fmt::format("{} with lines lt 20 dt {} title {}", rows(name, "1", "3"),
-                        numbers == &inFloat() ? "(2,4)" : "(8,4)", gnuplotString(name)));
+        // all lines of an arithmetic look alike: whom each is about, the page says
+        const std::string title = fmt::format("theory: {}", numbers->name);
+        const bool is_first = plot.find("title " + gnuplotString(title)) == std::string::npos;
+        add(fmt::format("{} with lines lt 20 dt {} {}",
+                        rows(theoryName(theory, *numbers), "1", "3"),
+                        numbers == &inFloat() ? "(2,4)" : "(8,4)",
+                        is_first ? "title " + gnuplotString(title) : "notitle"));
       }
     for (const Measure& method : family.measures)
       if (ours)
