@@ -133,8 +133,8 @@ std::ostream& operator<<(std::ostream& out, const Asked& asked) {
   return out << asked.scene << ", " << asked.method << ", " << asked.duration << " s";
 }
 
-// Of the three in the middle, the first loses 1.1 of the motion's energy at half of that step, which is no
-// instability; the others' nonlinear terms add energy well below what eigenvalues allow.
+// Of the three in the middle, the first loses 1.1 of the motion's energy at half of that step,
+// which is no instability; the others' nonlinear terms add energy well below what eigenvalues allow.
 const Asked kStable[] = {
     {"springs", "runge_kutta4", 10},
     {"springs", "stormer_verlet", 10},
