@@ -64,13 +64,6 @@ Family heavyTip() {
        "l^2 / (I1 + l^2 J / c^2), of s c twice, three roundings in s c^2 + J, a product and a "
        "quotient, and three on the way by l: (4 + 3 + 2 + 3) / 3 under the root",
        [moved](double s, const Arithmetic& a) { return rounded(12, a) * s * 0.7 * 0.7 / moved(); }},
-      theoryOf({"articulated_body", "articulated_body float", "fast"},
-               "(s c) c in D is formed of the same rounded s c as U, which so counts once: with "
-               "D's product and sum, 1 / D and two products six roundings of s; U / D of the turn "
-               "is 1, and nothing else is left of s: error u s l^2 / (I1 + l^2 J / c^2)",
-               [moved](double s, const Arithmetic& a) {
-                 return rounded(6, a) * s * 0.7 * 0.7 / moved();
-               }),
       noTheoryOf({"simbody"},
                  "it turns articulated inertias into the axes of the ground, where every entry "
                  "carries s, by roundings that were not counted")};
