@@ -225,23 +225,22 @@ Family gears() {
     lower.rotor = "1e-4";
     return caseOf("gears", {upper, lower}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5}, {1, 0.5});
   };
-  f.theories = {{Road::kMassMatrix, "n^2 leaves the numbers of the arithmetic: n = sqrt(largest)",
-                 untilItsSquareOverflows},
-                theoryOf({"lagrange", "kernel", "kernel_lanes", "simbody"},
-                         "n^2 J is formed exactly, or J n first, and leaves the numbers of the "
-                         "arithmetic: n = sqrt(largest / J), J = 1e-4",
-                         [](double s, const Arithmetic& a) {
-                           return untilItsSquareOverflows(s * std::sqrt(1e-4), a);
-                         }),
-                theoryOf({"mujoco", "mujoco_principal"},
-                         "the pivot is infinite, and what it is divided into 0, the joint's "
-                         "acceleration: nothing breaks",
-                         nothingCancels),
-                noTheoryOf({"dart"}, "it ends the process beyond a size of its own"),
-                {Road::kSweep,
-                 "a sweep divides by D = n^2 J, and 1 / infinite is 0, the joint's acceleration: "
-                 "nothing breaks",
-                 nothingCancels}};
+  f.theories = {
+      {Road::kMassMatrix, "n^2 leaves the numbers of the arithmetic: n = sqrt(largest)",
+       untilItsSquareOverflows},
+      theoryOf({"lagrange", "kernel", "kernel_lanes", "simbody"},
+               "n^2 J is formed exactly, or J n first, and leaves the numbers of the "
+               "arithmetic: n = sqrt(largest / J), J = 1e-4",
+               [](double s, const Arithmetic& a) { return untilItsSquareOverflows(s / 100, a); }),
+      theoryOf({"mujoco", "mujoco_principal"},
+               "the pivot is infinite, and what it is divided into 0, the joint's "
+               "acceleration: nothing breaks",
+               nothingCancels),
+      noTheoryOf({"dart"}, "it ends the process beyond a size of its own"),
+      {Road::kSweep,
+       "a sweep divides by D = n^2 J, and 1 / infinite is 0, the joint's acceleration: "
+       "nothing breaks",
+       nothingCancels}};
   f.mechanism =
       "The rotor's inertia n^2 J stands alone on the diagonal of M. The heavier it is, the more its "
       "joint stands still, and the other joint moves as if it did: nothing cancels until the square "

@@ -182,7 +182,7 @@ BOOST_DATA_TEST_CASE(the_largest_stable_step_is_what_bisection_finds, data::make
 
        method                    predicted  measured      method             predicted  measured
        euler                        22         24 of 25   stormer_verlet        20         20 of 20
-       modified_midpoint            21         24         implicit_midpoint     20         22 of 25
+       modified_midpoint            22         24         implicit_midpoint     20         22 of 25
        runge_kutta4                 23         24         gauss_4               24         24
        runge_kutta_dopri5           25         25         gauss_6               24         25
        runge_kutta_fehlberg78       24         25         implicit_euler        16         25
