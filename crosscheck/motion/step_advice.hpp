@@ -20,7 +20,7 @@ struct SpectrumAlong {
     std::vector<std::complex<double>> fastest;  ///< [1/s], Im >= 0; none that is 0
   };
   std::vector<Moment> moments;
-  /// From the start on; half a radian of the fastest eigenvalue or less apart, of up to 20 a moment.
+  /// From the start on; half a radian of the fastest eigenvalue or less apart, up to 20 a moment.
   StatesAlong along;
   double most_kinetic = 0;  ///< largest kinetic energy [J]
 };
@@ -50,8 +50,8 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration);
 
         (3)  gainOfModified(h) <= most_kinetic.
 
-    An eigenvalue does not say how much of the energy moves along it; (3) does. A method that goes on
-    from earlier steps has (1) alone. */
+    An eigenvalue does not say how much of the energy moves along it; (3) does. A method that goes
+    on from earlier steps has (1) alone. */
 struct StableStep {
   double step = 0;              ///< [s]; infinity: any up to the duration
   bool by_spectrum = false;     ///< (1) ends it, and not (2) or (3)

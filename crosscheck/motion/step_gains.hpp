@@ -29,9 +29,9 @@ struct StepGain {
         largest sum up to a state  (apart / h) (E(Phi_h(y)) - E(y)).
 
     Along a motion that keeps its energy this is what steps add to it. Of a symplectic method each
-    term is a difference of what its modified energy is apart from E (Hairer, Lubich, Wanner, Geometric
-    Numerical Integration, 2006, IX.3), and the sum is how far E swings; states have to be a fraction
-    of the fastest oscillation apart for that. But its steps go along levels of the modified energy,
+    term is a difference of what its modified energy is apart from E (Hairer, Lubich, Wanner,
+    Geometric Numerical Integration, 2006, IX.3), and the sum is how far E swings; states have to be
+    a fraction of the fastest oscillation apart for that. But its steps go along levels of the modified energy,
     and from those of E they gain on the whole, to the second order in what these are apart. A step
     back gains as much, so that of these methods, which are symmetric, Phi_-h being the inverse of
     Phi_h,
@@ -48,7 +48,8 @@ StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const s
     gain otherwise: the modified equation to its first terms. What a step does beside the motion is
     taken in its middle,
 
-        y + d(y) = phi_-h/2(Phi_h(phi_-h/2(y))),   y' = f(y) + (d(y) - (d(y + d(y)) - d(y)) / 2) / h,
+        y + d(y) = phi_-h/2(Phi_h(phi_-h/2(y))),
+        y' = f(y) + (d(y) - (d(y + d(y)) - d(y)) / 2) / h,
 
     phi the motion itself, back (by Dormand and Prince's step, of order 5: for methods of order 1
     and 2). The bracket is the logarithm of 1 + d to its second order, and stands in the middle so
