@@ -199,8 +199,8 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
     out.step = kAny;
     return out;
   }
-  constexpr int kBisections = 7;
-  for (int k = 0; k < kBisections; ++k) {
+  const int bisections = leavesMotion(known) ? 7 : 30;
+  for (int k = 0; k < bisections; ++k) {
     const double middle = (held + broken) / 2;
     (doubles(middle) ? broken : held) = middle;
   }
