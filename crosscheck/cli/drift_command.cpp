@@ -61,14 +61,17 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   drawTo(file, work.path() / "chart", "drift", look);
 }
 
-/// Several methods in one picture.
+/// Several methods in one picture: against their steps, or, with one each, against time.
 void plotDrifts(const scene::Scene& scene, const std::vector<Drift>& drifts,
                 const std::filesystem::path& file, const PictureLook& look) {
-  const std::string script = driftsScript(scene.title.empty() ? scene.name : scene.title, drifts);
+  const std::string title = scene.title.empty() ? scene.name : scene.title;
+  const bool is_along = haveOneStepEach(drifts);
+  const std::string script =
+      is_along ? driftsAlongScript(title, drifts) : driftsScript(title, drifts);
   if (script.empty()) throw std::runtime_error("no energy error above zero: nothing to draw");
   const UnfinishedFolder work(file.string() + ".work");  // vanishes again
   work.write("style.gp", kStyleGnuplot);
-  work.write("methods.csv", driftsCsv(drifts));
+  work.write("methods.csv", is_along ? driftsAlongCsv(drifts) : driftsCsv(drifts));
   work.write("methods.gp", script);
   drawTo(file, work.path(), "methods", look);
 }
@@ -237,6 +240,7 @@ Run addDrift(CLI::App* command) {
   command->footer(
       "Examples:\n"
       "  dynwitness drift furuta_pendulum --method runge_kutta4,gauss_6 --plot drift.svg\n"
+      "  dynwitness drift simple_pendulum --method stormer_verlet,gauss_4 --step 0.07 --plot swings.svg\n"
       "  dynwitness drift double_pendulum --motion coarse.csv,fine.csv --plot energy.svg\n"
       "  dynwitness drift double_pendulum --advise 0.001\n\n" +
       integratorTable() +
@@ -257,7 +261,8 @@ Run addDrift(CLI::App* command) {
       "--plot", arguments->plot,
       "Chart, a file that ends in .svg (as one without ending is), .png or .pdf: "
       "energy errors along the "
-      "paths of one method, or the worst ones of several against the step");
+      "paths of one method, or the worst ones of several against the step; of several with one "
+      "step, against time");
   addBackground(*command, arguments->look);
   command->get_option("--background")->needs(plot);
   CLI::Option* csv =

@@ -37,6 +37,7 @@ std::string adviceLine(const std::string& method, const StepAdvice& stable,
   return fmt::format(
       "{:<25} {:>12} {:>22} {:>10} {:>12} {:<11} {:>12} {:>10}\n", method, stepText(predicted.step),
       std::isinf(predicted.step) ? ""
+      : predicted.is_unsolved    ? "no solution"
       : has_lambda ? fmt::format("{:.3g}{:+.3g}i", predicted.lambda.real(), predicted.lambda.imag())
                    : "steps gain energy",
       has_lambda ? fmt::format("{:.3g}", predicted.step * std::abs(predicted.lambda)) : "",

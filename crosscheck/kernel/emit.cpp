@@ -166,8 +166,15 @@ void {0}_many(const double* q, const double* u, const double* w, double* out, lo
         "  for (int j = 1; j < {0}; ++j) reducible &= small(x[j]);\n"
         "  if (__builtin_expect(all(reducible), 1))\n"
         "    for (int j = 0; j < {0}; ++j) sineCosine(x[j], sine + j, cosine + j);\n"
-        "  else\n"
-        "    libraryOf(x, sine, cosine, {0});\n",
+        "  else /* lane by lane: what stands beside an angle changes none of its bits */\n"
+        "    for (int j = 0; j < {0}; ++j) {{\n"
+        "      V beyond_sine, beyond_cosine;\n"
+        "      const I near = small(x[j]);\n"
+        "      sineCosine(x[j], sine + j, cosine + j);\n"
+        "      libraryOf(x + j, &beyond_sine, &beyond_cosine, 1);\n"
+        "      sine[j] = (V)((near & (I)sine[j]) | (~near & (I)beyond_sine));\n"
+        "      cosine[j] = (V)((near & (I)cosine[j]) | (~near & (I)beyond_cosine));\n"
+        "    }}\n",
         vectors);
   }
   std::string operand(int slot) const {

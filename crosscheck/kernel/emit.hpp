@@ -21,8 +21,8 @@ namespace dynwitness::crosscheck::kernel {
 
     cos and sin are computed here, for `lanes` numbers at once: by Taylor's series after a reduction
     to |r| <= pi/4 with pi/2 in three parts, each within 1 ulp, for angles up to kLargestAngle;
-    beyond that the C library's are called. Every other operation is one operation of the program,
-    in its order, so that with -ffp-contract=off the results are those of
+    beyond that the C library's are called, lane by lane. Every other operation is one operation of
+    the program, in its order, so that with -ffp-contract=off the results are those of
     symbolic::ProgramRun<double>, bit for bit.
 
     The same program gives the same bytes.

@@ -79,23 +79,10 @@ bool growsAlong(const SpectrumAlong& spectrum, const std::string& method, double
   return !(2 * growthAlong(spectrum, method, h).all <= std::log(2.0));
 }
 
-/// (2): what single steps from states of the motion add to its energy.
-bool gainsAlong(TreeMotion<double>& motion, const SpectrumAlong& spectrum,
-                const std::string& method, double h, double most) {
-  const auto stepper = stepsOf<double>(method, motion);
-  double gained = 0;
-  for (const SpectrumAlong::Moment& moment : spectrum.moments) {
-    Vector y = moment.y;
-    stepper->forget();
-    try {
-      stepper->step(&y, moment.time, h);
-    } catch (const std::runtime_error&) {  // no solution: too long a step
-      return true;
-    }
-    gained += (motion.energy(y) - motion.energy(moment.y)) * moment.duration / h;
-    if (!(gained <= most * spectrum.most_kinetic)) return true;
-  }
-  return false;
+/// Whether a method leaves the motion by what it gains, at steps far below its eigenvalues' limits.
+bool leavesMotion(const Integrator& method) {
+  return !method.remembers &&
+         (method.imaginary_limit == 0 || method.symplectic == Symplectic::kWhereMIsConstant);
 }
 
 double durationOf(const SpectrumAlong& spectrum) {
@@ -114,6 +101,7 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration) {
   constexpr int kMoments = 200;
   constexpr double kStepError = 1e-8;
   constexpr int kMostSteps = 1000000;
+  constexpr double kRadians = 0.5, kMostParts = 20;
   TreeMotion<double> motion(scene.mechanism);
   Vector y = startOf<double>(scene);
   const auto rate = [&](const Vector& at, Vector& out, double t) { motion.rate(at, t, &out); };
@@ -123,9 +111,7 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration) {
   out.most_kinetic = motion.kinetic(y);
   double time = 0, step = duration / kMoments / 10;
   int steps = 0;
-  for (int k = 0; k < kMoments; ++k) {
-    const double here = duration * k / kMoments, next = duration * (k + 1) / kMoments;
-    out.moments.push_back({here, next - here, y, eigenvaluesAt(motion, y, here)});
+  const auto follow = [&](double next) {
     while (time < next) {
       if (++steps > kMostSteps)
         throw std::runtime_error(
@@ -139,7 +125,21 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration) {
       if (taken) keepWorse(&out.most_kinetic, motion.kinetic(y));
       if (next - time <= next * std::numeric_limits<double>::epsilon()) time = next;
     }
+  };
+  const double each = duration / kMoments;
+  int parts = 0;  // of a moment, by the eigenvalues of the start
+  for (int k = 0; k < kMoments; ++k) {
+    const double here = each * k;
+    out.moments.push_back({here, each, eigenvaluesAt(motion, y, here)});
+    if (parts == 0)
+      parts = static_cast<int>(
+          std::clamp(std::ceil(each * fastestOf(out) / kRadians), 1.0, kMostParts));
+    for (int part = 0; part < parts; ++part) {
+      out.along.states.push_back(y);
+      follow(here + each * (part + 1) / parts);
+    }
   }
+  out.along.apart = each / parts;
   return out;
 }
 
@@ -169,20 +169,26 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
   const double duration = durationOf(spectrum), fastest = fastestOf(spectrum);
   StableStep out;
   const Integrator& known = integratorNamed(method);
-  if (fastest == 0 || (std::isinf(known.imaginary_limit) && std::isinf(known.real_limit))) {
+  if (fastest == 0) {
     out.step = kAny;
     return out;
   }
   TreeMotion<double> motion(scene.mechanism);
-  const bool has_region = known.imaginary_limit > 0 || known.remembers;
-  const auto grows = [&](double h) { return has_region && growsAlong(spectrum, method, h); };
-  const bool sums = !known.remembers && known.symplectic != Symplectic::kYes;
-  const auto doubles = [&](double h) {
-    return grows(h) ||
-           (sums && gainsAlong(motion, spectrum, method, h, has_region ? 1 : std::log(2.0)));
+  const bool has_region = known.imaginary_limit > 0 || known.remembers,
+             is_limited = !isAStable(known);
+  const double enough = spectrum.most_kinetic;
+  const auto grows = [&](double h) {
+    return has_region && is_limited && growsAlong(spectrum, method, h);
   };
-  // from below: regions of stability may have islands beyond their first border
-  constexpr double kFiner = 1.1;
+  const auto gain = [&](double h) -> StepGain {
+    if (known.remembers) return {};
+    if (!leavesMotion(known)) return gainAlong(motion, spectrum.along, method, h, enough);
+    return gainOfModified(motion, spectrum.along.states.front(), method, duration, h, enough);
+  };
+  const auto doubles = [&](double h) { return grows(h) || gain(h).gained > enough; };
+  // from below: regions of stability may have islands beyond their first border; what a modified
+  // equation gains rises with h, and costs more to ask
+  const double kFiner = leavesMotion(known) ? 2 : 1.1;
   double held = 0, broken = 0, h = 0;
   for (const double share : {0.05, 1e-3, 1e-8}) {
     h = std::min(share / fastest, duration);
@@ -193,13 +199,15 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
     out.step = kAny;
     return out;
   }
-  for (int k = 0; k < 30; ++k) {
+  const int bisections = leavesMotion(known) ? 7 : 30;
+  for (int k = 0; k < bisections; ++k) {
     const double middle = (held + broken) / 2;
     (doubles(middle) ? broken : held) = middle;
   }
   const Growth there = growthAlong(spectrum, method, broken);
   out.step = held;
   out.by_spectrum = grows(broken);
+  out.is_unsolved = !out.by_spectrum && gain(broken).is_unsolved;
   out.lambda = there.lambda;
   out.time = there.time;
   out.limit = stabilityLimit(method, there.lambda);
@@ -280,9 +288,10 @@ std::string adviceAfterFailure(const scene::Scene& scene, const std::string& met
         what, method, step, lossText(advice.tried), allowed, other);
   if (!predicted.by_spectrum)
     return fmt::format(
-        "{}: {} with h = {:.3g} s is unstable here (single steps along the motion add to its "
-        "energy): h <= {}{}",
-        what, method, step, allowed, other);
+        "{}: {} with h = {:.3g} s is unstable here ({}): h <= {}{}", what, method, step,
+        predicted.is_unsolved ? "from a state of the motion such a step has no solution"
+                              : "single steps along the motion add to its energy",
+        allowed, other);
   const Growth there = growthAlong(spectrum, method, step);
   return fmt::format(
       "{}: {} with h = {:.3g} s is unstable here (h |lambda| = {:.3g} at t = {:.3g} s, limit "

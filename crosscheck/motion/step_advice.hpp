@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/motion/step_gains.hpp"
 #include "crosscheck/motion/step_trials.hpp"
 #include "scene/scene.hpp"
 
@@ -16,18 +17,19 @@ namespace dynwitness::crosscheck {
 struct SpectrumAlong {
   struct Moment {
     double time, duration;                      ///< [s]: and until the next
-    std::vector<double> y;                      ///< (q, qd, work)
     std::vector<std::complex<double>> fastest;  ///< [1/s], Im >= 0; none that is 0
   };
   std::vector<Moment> moments;
+  /// From the start on; half a radian of the fastest eigenvalue or less apart, up to 20 a moment.
+  StatesAlong along;
   double most_kinetic = 0;  ///< largest kinetic energy [J]
 };
 /** At equal times along the motion from the scene's start, which steps that adapt follow.
     @throws std::runtime_error  df/dy is not finite there, or the steps grow too short to arrive */
 SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration);
 
-/** The largest step at which a method's energy does not double along this motion, by two
-    predictions that need no run with that step:
+/** The largest step at which a method's energy does not double along this motion, by predictions
+    that need no run with that step:
 
     Where the method has a region of stability, the part along an eigenvalue lambda grows by
     |R(h lambda)| in a step, energy by its square, so
@@ -37,17 +39,23 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration);
     Where the motion itself grows (Re lambda > 0) its own growth is no instability of the step: such
     lambda count with their imaginary part alone.
 
-    And what one step from a state of the motion adds to the energy, nonlinear terms and all,
+    And what single steps from states of the motion add to the energy, nonlinear terms and all:
 
-        (2)  largest sum up to a moment  (duration / h) (E(y_h) - E(y))  <=  most_kinetic.
+        (2)  gainAlong(h) <= most_kinetic,  with a solution at each state where steps are implicit.
 
-    A method that grows at any step (Euler's) has (2) alone, with log 2 of it, since its growth goes
-    on from what it has gained: an eigenvalue does not say how much of the energy moves along it. One
-    that goes on from earlier steps has (1) alone, and so has a symplectic one, whose energy swings
-    and does not add up. */
+    A-stable methods have (2) alone: no eigenvalue ends their steps, nonlinear terms do. A method
+    that grows at any step (Euler's, the modified midpoint) leaves the motion by what it gains, and
+    so does semi-implicit Euler where M changes: of them the modified equation is asked in place of
+    (2),
+
+        (3)  gainOfModified(h) <= most_kinetic.
+
+    An eigenvalue does not say how much of the energy moves along it; (3) does. A method that goes
+    on from earlier steps has (1) alone. */
 struct StableStep {
   double step = 0;              ///< [s]; infinity: any up to the duration
-  bool by_spectrum = false;     ///< (1) ends it, and not (2)
+  bool by_spectrum = false;     ///< (1) ends it, and not (2) or (3)
+  bool is_unsolved = false;     ///< an implicit step has no solution
   std::complex<double> lambda;  ///< that grows most there [1/s]
   double time = 0;              ///< when [s]
   double limit = 0;             ///< h |lambda| of that direction at which one step grows

@@ -198,6 +198,51 @@ std::string driftsScript(const std::string& title, const std::vector<Drift>& dri
       gnuplotString(title + ": lower is better"), finest / 1.6, coarsest * 1.6, plots);
 }
 
+bool haveOneStepEach(const std::vector<Drift>& drifts) {
+  return std::all_of(drifts.begin(), drifts.end(),
+                     [](const Drift& drift) { return drift.paths.size() <= 1; });
+}
+
+std::string driftsAlongCsv(const std::vector<Drift>& drifts) {
+  std::string csv = "method,time_s,energy_error_over_scale\n";
+  for (const Drift& drift : drifts)
+    for (const Drift::Path& path : drift.paths)
+      for (std::size_t i = 0; i < std::min(path.time.size(), path.error.size()); ++i)
+        if (drawable(path.error[i]))
+          csv += fmt::format("{},{},{}\n", drift.method, path.time[i], path.error[i]);
+  return csv;
+}
+
+std::string driftsAlongScript(const std::string& title, const std::vector<Drift>& drifts) {
+  std::string plots;
+  double duration = 0;
+  for (const Drift& drift : drifts)
+    for (const Drift::Path& path : drift.paths) {
+      if (!drawable(path.worst)) continue;
+      duration = std::max(duration, path.end_time);
+      plots += fmt::format(
+          "{}'methods.csv' using (strcol(1) eq {} ? $2 : NaN):3 with linespoints {} pointinterval "
+          "40 title {}",
+          plots.empty() ? "" : ", \\\n     ", gnuplotString(drift.method),
+          lookOfMethod(drift.method),
+          gnuplotString(
+              fmt::format("{}: {:.3g} s, at most {:.2g}", drift.method, path.step, path.worst)));
+    }
+  if (plots.empty()) return {};
+  return fmt::format(
+      "load 'style.gp'\n"
+      "eval canvas(1000, 560, 13)\n"
+      "set output picture_file('methods')\n"
+      "set title {} textcolor rgb ink font ',15'\n"
+      "set logscale y\nset format y '1e%T'\nset format x '%g'\nunset mytics\n"
+      "set xlabel 'time  [s]'\nset ylabel 'largest |E − E₀| of each stretch / largest kinetic "
+      "energy  [1]'\n"
+      "set key outside right top Left reverse title 'step, largest of all'\n"
+      "set xrange [0:{:.6g}]\n"
+      "plot {}\nunset output\n",
+      gnuplotString(title + ": level is bounded"), duration, plots);
+}
+
 namespace {
 
 /// Rules of CSS that give each colour of style.gp its dark one.

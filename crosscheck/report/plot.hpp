@@ -40,6 +40,14 @@ std::string driftsScript(const std::string& title, const std::vector<Drift>& dri
 /// Its table. "method,step_s,worst_energy_error_over_scale"
 std::string driftsCsv(const std::vector<Drift>& drifts);
 
+/// The same of methods with one step each, against time: whether an energy error stays within
+/// bounds or runs away.
+std::string driftsAlongScript(const std::string& title, const std::vector<Drift>& drifts);
+/// Its table, the largest of each stretch. "method,time_s,energy_error_over_scale"
+std::string driftsAlongCsv(const std::vector<Drift>& drifts);
+/// Whether each has one path, of one step.
+bool haveOneStepEach(const std::vector<Drift>& drifts);
+
 /** Runs gnuplot on a script in its folder, without a shell. An SVG gets rules of CSS for dark
     pages, unless it stands on white: one picture for both.
 

@@ -328,10 +328,15 @@ std::vector<Method> methodsOf(const std::vector<WitnessKind>& kinds) {
   return out;
 }
 
-const Theory* theoryFor(const Family& family, Road road) {
-  for (const Theory& theory : family.theories)
-    if (theory.road == Road::kAny || theory.road == road) return &theory;
-  return nullptr;
+const Theory* theoryFor(const Family& family, Road road, const std::string& method) {
+  const Theory* of_road = nullptr;
+  for (const Theory& theory : family.theories) {
+    const auto& named = theory.methods;
+    if (std::find(named.begin(), named.end(), method) != named.end()) return &theory;
+    if (of_road == nullptr && named.empty() && (theory.road == Road::kAny || theory.road == road))
+      of_road = &theory;
+  }
+  return of_road;
 }
 
 double firstBroken(const Family& family, const std::function<double(double)>& error) {
@@ -476,9 +481,10 @@ Turned turn(const Family& family, const std::vector<Method>& chosen, const Setti
   for (const Method& method : methods) {
     Course course = courseOf(method.name, *method.numbers, method.is_ours);
     const Theory* const theory = theoryFor(
-        family, family.whole || family.quantity == Quantity::kQdd ? method.road : Road::kAny);
-    course.has_theory = theory != nullptr;
-    if (theory) course.predicted = predictedBreak(family, *theory, *method.numbers);
+        family, family.whole || family.quantity == Quantity::kQdd ? method.road : Road::kAny,
+        method.name);
+    course.has_theory = theory != nullptr && theory->isClaimed();
+    if (course.has_theory) course.predicted = predictedBreak(family, *theory, *method.numbers);
     if (family.is_large && method.is_derived) {
       course.left_out = "derives or compiles equations, which grow with the mechanism";
     } else {

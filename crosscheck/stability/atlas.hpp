@@ -108,6 +108,6 @@ double firstBroken(const Family& family, const std::function<double(double)>& er
 double predictedBreak(const Family& family, const Theory& theory, const Arithmetic& numbers);
 
 /// The theory about a method; nullptr: none.
-const Theory* theoryFor(const Family& family, Road road);
+const Theory* theoryFor(const Family& family, Road road, const std::string& method);
 
 }  // namespace dynwitness::crosscheck::stability

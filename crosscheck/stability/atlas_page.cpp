@@ -80,7 +80,8 @@ void putGlance(std::string* page, const std::vector<Turned>& atlas) {
           std::find(theories.begin(), theories.end(), text) == theories.end())
         theories.push_back(text);
     };
-    for (const Theory& t : family.theories) add(predictedBreak(family, t, inDouble()));
+    for (const Theory& t : family.theories)
+      if (t.methods.empty()) add(predictedBreak(family, t, inDouble()));
     for (const Measure& method : family.measures) add(firstBroken(family, method.theory));
     const std::string theory = fmt::format("{}", fmt::join(theories, "<br>"));
     const int silent = ours.silent + in_float.silent;
@@ -102,10 +103,11 @@ void putFamily(std::string* page, const Turned& turned) {
       "<p><strong>What survives.</strong> {3}</p>\n",
       esc(family.name), esc(family.title), esc(family.mechanism), esc(family.survivor));
   for (const Theory& theory : family.theories)
-    put(page, "<p><strong>Theory{}.</strong> {}.</p>\n",
-        theory.road == Road::kMassMatrix ? " where M is formed"
-        : theory.road == Road::kSweep    ? " of sweeps"
-                                         : "",
+    put(page, "<p><strong>{}{}.</strong> {}.</p>\n", theory.isClaimed() ? "Theory" : "No theory",
+        !theory.methods.empty()            ? " of " + esc(aboutWords(theory))
+        : theory.road == Road::kMassMatrix ? " where M is formed"
+        : theory.road == Road::kSweep      ? " of sweeps"
+                                           : "",
         esc(theory.formula));
   for (const Measure& method : family.measures)
     put(page, "<p><strong>Theory of {}.</strong> {}.</p>\n", esc(method.name), esc(method.formula));
@@ -181,7 +183,9 @@ std::string atlasPage(const std::vector<Turned>& atlas, const std::string& versi
       "of the certified truth (ball arithmetic, precision raised until it is certain), counted of "
       "the largest entry, the worst of {} mechanisms that differ in their numbers alone. A method "
       "has broken where fewer than {} are left or it stops: it throws, dies, or says what is no "
-      "number. A wrong answer is silent when nothing told so. Our three textbook sweeps, in "
+      "number. Roundings are taken at their root mean square: by luck alone the worst of three "
+      "mechanisms stays below half of it in 6 of 100 cases, and is above twice it in 13. Where a "
+      "method has no theory, its family says why. A wrong answer is silent when nothing told so. Our three textbook sweeps, in "
       "double and in float, and the fast ones tell by sums over their joints, which cost about a tenth "
       "of the sweep, and by an estimate joint by joint where these leave a doubt (<code>"
       "recursive/rounding_filter.hpp</code>); it is too careful at {} severities, where it warns "

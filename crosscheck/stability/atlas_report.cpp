@@ -8,6 +8,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/report/plot.hpp"
@@ -40,23 +41,45 @@ std::string textOf(const Json& json) {
   return json.is_null() ? std::string() : json.get<std::string>();
 }
 
-const char* roadWords(Road road) {
-  switch (road) {
-    case Road::kMassMatrix:
-      return "M formed";
-    case Road::kSweep:
-      return "swept";
-    case Road::kAny:
-      break;
-  }
-  return "all";
+bool isInFloat(const std::string& method) {
+  const std::string end = std::string(" ") + inFloat().name;
+  return method.size() > end.size() &&
+         method.compare(method.size() - end.size(), end.size(), end) == 0;
 }
 
 /// Without a comma, which gnuplot takes for the end of a column in quotes as well.
 std::string theoryName(const Theory& theory, const Arithmetic& numbers) {
-  return theory.road == Road::kAny
-             ? fmt::format("theory: {}", numbers.name)
-             : fmt::format("theory: {} {}", roadWords(theory.road), numbers.name);
+  if (!theory.methods.empty()) {
+    std::string names;
+    for (const std::string& method : theory.methods)
+      if (isInFloat(method) == (&numbers == &inFloat()))
+        names += (names.empty() ? "" : " ") + method;
+    return "theory: " + names;
+  }
+  return theory.road == Road::kAny ? fmt::format("theory: {}", numbers.name)
+                                   : fmt::format("theory: {} {}", aboutWords(theory), numbers.name);
+}
+
+/// The arithmetics that a theory has a line in: of a road both, of methods theirs.
+std::vector<const Arithmetic*> arithmeticsOf(const Theory& theory) {
+  if (!theory.isClaimed()) return {};
+  std::vector<const Arithmetic*> out;
+  for (const Arithmetic* numbers : {&inDouble(), &inFloat()})
+    if (theory.methods.empty() ||
+        std::any_of(theory.methods.begin(), theory.methods.end(),
+                    [&](const std::string& m) { return isInFloat(m) == (numbers == &inFloat()); }))
+      out.push_back(numbers);
+  return out;
+}
+
+/// Whether a panel, of ours or of the engines, has a method that the theory names.
+bool isAbout(const Theory& theory, const Turned& turned, bool ours) {
+  return theory.methods.empty() ||
+         std::any_of(turned.courses.begin(), turned.courses.end(), [&](const Course& course) {
+           return course.is_ours == ours && !course.points.empty() &&
+                  std::find(theory.methods.begin(), theory.methods.end(), course.method) !=
+                      theory.methods.end();
+         });
 }
 
 struct Look {
@@ -164,6 +187,19 @@ std::string toldWords(const Course& course) {
 
 }  // namespace
 
+std::string aboutWords(const Theory& theory) {
+  if (!theory.methods.empty()) return fmt::format("{}", fmt::join(theory.methods, ", "));
+  switch (theory.road) {
+    case Road::kMassMatrix:
+      return "M formed";
+    case Road::kSweep:
+      return "swept";
+    case Road::kAny:
+      break;
+  }
+  return "all";
+}
+
 const Family& familyNamed(const std::string& name) {
   std::string known;
   for (const Family& family : families()) {
@@ -225,7 +261,7 @@ std::string csvOf(const Turned& turned) {
   constexpr int kSamples = 120;
   constexpr double kMostDigits = 17;
   for (const Theory& theory : family.theories)
-    for (const Arithmetic* numbers : {&inDouble(), &inFloat()})
+    for (const Arithmetic* numbers : arithmeticsOf(theory))
       for (int k = 0; k <= kSamples; ++k) {
         const double s =
             family.from * std::pow(family.to / family.from, static_cast<double>(k) / kSamples);
@@ -255,11 +291,16 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
       plot += (plot.empty() ? "plot " : ", \\\n     ") + part;
     };
     for (const Theory& theory : family.theories)
-      for (const Arithmetic* numbers : {&inDouble(), &inFloat()}) {
+      for (const Arithmetic* numbers : arithmeticsOf(theory)) {
         if (!ours && numbers == &inFloat()) continue;  // engines compute in double
-        const std::string name = theoryName(theory, *numbers);
-        add(fmt::format("{} with lines lt 20 dt {} title {}", rows(name, "1", "3"),
-                        numbers == &inFloat() ? "(2,4)" : "(8,4)", gnuplotString(name)));
+        if (!isAbout(theory, turned, ours)) continue;
+        // all lines of an arithmetic look alike: whom each is about, the page says
+        const std::string title = fmt::format("theory: {}", numbers->name);
+        const bool is_first = plot.find("title " + gnuplotString(title)) == std::string::npos;
+        add(fmt::format("{} with lines lt 20 dt {} {}",
+                        rows(theoryName(theory, *numbers), "1", "3"),
+                        numbers == &inFloat() ? "(2,4)" : "(8,4)",
+                        is_first ? "title " + gnuplotString(title) : "notitle"));
       }
     for (const Measure& method : family.measures)
       if (ours)
@@ -338,15 +379,22 @@ std::string atlasJson(const std::vector<Turned>& atlas, const std::string& versi
   for (const Turned& turned : atlas) {
     const Family& family = familyNamed(turned.family);
     Json theories = Json::array(), courses = Json::array();
-    for (const Theory& theory : family.theories)
-      theories.push_back(
-          {{"methods", roadWords(theory.road)},
-           {"formula", theory.formula},
-           {"breaks_double", numberOrNull(predictedBreak(family, theory, inDouble()))},
-           {"breaks_float", numberOrNull(predictedBreak(family, theory, inFloat()))}});
+    for (const Theory& theory : family.theories) {
+      const auto numbers = arithmeticsOf(theory);
+      const auto breaksIn = [&](const Arithmetic& in) {
+        const bool has_line = std::find(numbers.begin(), numbers.end(), &in) != numbers.end();
+        return has_line ? numberOrNull(predictedBreak(family, theory, in)) : Json(nullptr);
+      };
+      theories.push_back({{"methods", aboutWords(theory)},
+                          {"formula", theory.formula},
+                          {"is_claimed", theory.isClaimed()},
+                          {"breaks_double", breaksIn(inDouble())},
+                          {"breaks_float", breaksIn(inFloat())}});
+    }
     for (const Measure& method : family.measures)
       theories.push_back({{"methods", method.name},
                           {"formula", method.formula},
+                          {"is_claimed", true},
                           {"breaks_double", numberOrNull(firstBroken(family, method.theory))},
                           {"breaks_float", nullptr}});
     for (const Course& course : turned.courses) courses.push_back(courseJson(course));

@@ -35,6 +35,9 @@ std::string atlasJson(const std::vector<Turned>& atlas, const std::string& versi
 std::string atlasPage(const std::vector<Turned>& atlas, const std::string& version,
                       const std::string& command);
 
+/// Whom a theory is about: "all", "M formed", "swept", or its methods by name.
+std::string aboutWords(const Theory& theory);
+
 /// Severities at which a method, of ours in double or in float, was wrong without a word.
 int silentOf(const std::vector<Turned>& atlas, bool ours);
 /// Severities at which an estimate of ours warned though kPlentyOfDigits and more were right.

@@ -223,7 +223,10 @@ Family drivenCrank() {
        "roundings in each product",
        [](double s, const Arithmetic& a) {
          return rounded(6, a) * 2 * s * std::cos(0.6) * std::sin(0.6);
-       }}};
+       }},
+      noTheoryOf({"mujoco"},
+                 "its rows are those of a point in space, found by way of the places of links, by "
+                 "roundings that were not counted")};
   f.mechanism =
       "The crank is driven, and the rod has to follow: where it stands across the slider's way, no "
       "turn of it moves the slider along, and the drive would need an infinite force. Nothing is "

@@ -63,9 +63,10 @@ Family heavyTip() {
        "the tip's articulated mass s - (s c)^2 / (s c^2 + J) cancels s down to J / c^2: error u s "
        "l^2 / (I1 + l^2 J / c^2), of s c twice, three roundings in s c^2 + J, a product and a "
        "quotient, and three on the way by l: (4 + 3 + 2 + 3) / 3 under the root",
-       [moved](double s, const Arithmetic& a) {
-         return rounded(12, a) * s * 0.7 * 0.7 / moved();
-       }}};
+       [moved](double s, const Arithmetic& a) { return rounded(12, a) * s * 0.7 * 0.7 / moved(); }},
+      noTheoryOf({"simbody"},
+                 "it turns articulated inertias into the axes of the ground, where every entry "
+                 "carries s, by roundings that were not counted")};
   f.mechanism =
       "In the straight arm the tip swings about its own centre of mass when the first joint moves: "
       "its mass s, though felt by every intermediate number, drops out, and what is left is J / c^2. "
@@ -94,7 +95,11 @@ Family lightCart() {
   f.theories = {{Road::kAny,
                  "(m + 1/s) - (m l)^2 / (m l^2) cancels 1 kg down to 1/s kg: error u s, of some "
                  "three roundings",
-                 [](double s, const Arithmetic& a) { return rounded(3, a) * s; }}};
+                 [](double s, const Arithmetic& a) { return rounded(3, a) * s; }},
+                theoryOf({"lagrange"},
+                         "its m + 1/s, m l and m l^2 are exact numbers, each rounded once, and m l "
+                         "counts twice: with a product and a quotient 8 / 3 under the root",
+                         [](double s, const Arithmetic& a) { return rounded(8, a) * s; })};
   f.mechanism =
       "An upright point mass does not resist the cart: pushed sideways, it turns. All that resists "
       "is the cart's 1/s kg, which stands in M beside the pole's 1 kg, and what is left of their "
@@ -120,10 +125,18 @@ Family vanishingRotor() {
     return caseOf("vanishing_rotor", {light, body}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5},
                   {1, 0.5});
   };
-  f.theories = {{Road::kAny,
-                 "(J + 1/s) - J^2 / J cancels the body's J = 0.3 + 0.25 + 0.01 down to the rotor's "
-                 "1/s: error u s J, of some three roundings",
-                 [](double s, const Arithmetic& a) { return rounded(3, a) * s * 0.56; }}};
+  f.theories = {
+      {Road::kAny,
+       "(J + 1/s) - J^2 / J cancels the body's J = 0.3 + 0.25 + 0.01 down to the rotor's "
+       "1/s: error u s J, of some three roundings",
+       [](double s, const Arithmetic& a) { return rounded(3, a) * s * 0.56; }},
+      theoryOf({"articulated_body", "articulated_body float", "fast", "kernel", "kernel_lanes"},
+               "J - J (J / J) is exactly 0, and the rotor is added to that: nothing is "
+               "lost",
+               nothingCancels),
+      noTheoryOf({"recursive_lagrange"},
+                 "it finds J as a trace of products of 4 x 4 matrices, by roundings that "
+                 "were not counted")};
   f.mechanism =
       "What turns the first joint without the second is the rotor alone; a simulation with links "
       "left massless, or rotors made small to be left out, has to find it as a difference of the "
@@ -212,14 +225,22 @@ Family gears() {
     lower.rotor = "1e-4";
     return caseOf("gears", {upper, lower}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5}, {1, 0.5});
   };
-  f.theories = {{Road::kMassMatrix,
-                 "n^2 leaves the numbers of the arithmetic: n = sqrt(largest); later by the root "
-                 "of 1 / J who multiplies by J first",
-                 untilItsSquareOverflows},
-                {Road::kSweep,
-                 "a sweep divides by D = n^2 J, and 1 / infinite is 0, the joint's acceleration: "
-                 "nothing breaks",
-                 [](double, const Arithmetic& a) { return a.unit; }}};
+  f.theories = {
+      {Road::kMassMatrix, "n^2 leaves the numbers of the arithmetic: n = sqrt(largest)",
+       untilItsSquareOverflows},
+      theoryOf({"lagrange", "kernel", "kernel_lanes", "simbody"},
+               "n^2 J is formed exactly, or J n first, and leaves the numbers of the "
+               "arithmetic: n = sqrt(largest / J), J = 1e-4",
+               [](double s, const Arithmetic& a) { return untilItsSquareOverflows(s / 100, a); }),
+      theoryOf({"mujoco", "mujoco_principal"},
+               "the pivot is infinite, and what it is divided into 0, the joint's "
+               "acceleration: nothing breaks",
+               nothingCancels),
+      noTheoryOf({"dart"}, "it ends the process beyond a size of its own"),
+      {Road::kSweep,
+       "a sweep divides by D = n^2 J, and 1 / infinite is 0, the joint's acceleration: "
+       "nothing breaks",
+       nothingCancels}};
   f.mechanism =
       "The rotor's inertia n^2 J stands alone on the diagonal of M. The heavier it is, the more its "
       "joint stands still, and the other joint moves as if it did: nothing cancels until the square "

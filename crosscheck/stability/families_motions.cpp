@@ -28,7 +28,14 @@ Family spinningBall() {
       {Road::kAny,
        "w x I w = 0 is found as I wy wz - I wz wy: error u I wy wz s^2 over the torque, of "
        "four roundings",
-       [](double s, const Arithmetic& a) { return rounded(4, a) * 0.3 * 0.6 * 0.64 * s * s; }}};
+       [](double s, const Arithmetic& a) { return rounded(4, a) * 0.3 * 0.6 * 0.64 * s * s; }},
+      theoryOf({"fast"},
+               "I - I is formed before it is multiplied by w^2, and is 0: nothing is lost",
+               nothingCancels),
+      noTheoryOf(
+          {"simbody"},
+          "it turns I into the axes of the ground, where it is I but for roundings that were "
+          "not counted")};
   f.mechanism =
       "A ball has no gyroscopic moment, whatever its spin; computed, w x (I w) is a difference of "
       "equal products, and its roundings grow as w^2 beside a torque that does not.";

@@ -36,7 +36,11 @@ Family gimbal() {
        "arithmetic, which moves the pose by u: error 2 u s",
        [](double s, const Arithmetic& a) {
          return a.rounds_state ? 2 * rounded(1, a) * s : a.unit;
-       }}};
+       }},
+      theoryOf({"simbody"},
+               "in the axes of the ground what is left about the third axis is no 0 but a rounding "
+               "of I, beside I cos^2 q2 = I / s^2: error u s^2, of some three roundings",
+               [](double s, const Arithmetic& a) { return rounded(3, a) * s * s; })};
   f.mechanism =
       "Where the first and the third axis meet, three angles can turn the body about two axes "
       "only: M is singular there, though the body is not (Lagrange's coordinates are only local). "
@@ -73,12 +77,16 @@ Family ballJoint() {
 }
 
 Case quaternionCase(const std::string& family, double length, int v) {
+  // of length 1, with other components: each rounds by its own luck where they are few units
+  constexpr double kTurns[kVariants][4] = {
+      {0.5, 0.1, -0.7, 0.5}, {0.3, 0.1, -0.3, 0.9}, {0.8, 0.4, -0.2, 0.4}};
+  const double* const turn = kTurns[v];
   LinkWords body;
   body.joint = scene::JointKind::kSpherical, body.mass = "1", body.com = {"0.1", "0.2", "-0.5"};
   body.moments = {kMoment[v], "0.4", "0.5"};
   return caseOf(family, {body}, gravityDown(),
-                {0.5 * length, 0.1 * length, -0.7 * length, 0.5 * length}, {0.3, -0.5, 0.4},
-                {1, 0.5, -0.3});
+                {turn[0] * length, turn[1] * length, turn[2] * length, turn[3] * length},
+                {0.3, -0.5, 0.4}, {1, 0.5, -0.3});
 }
 
 Family longQuaternion() {
@@ -90,10 +98,13 @@ Family longQuaternion() {
   f.make = [](const std::string& s, int v) {
     return quaternionCase("long_quaternion", std::stod(s), v);
   };
-  f.theories = {{Road::kAny,
-                 "a length that is scaled before it is squared cancels exactly, until a component "
-                 "leaves the numbers of the arithmetic",
-                 [](double s, const Arithmetic& a) { return s > a.largest ? 1 : a.unit; }}};
+  f.theories = {
+      {Road::kAny,
+       "a length that is scaled before it is squared cancels exactly, until a component "
+       "leaves the numbers of the arithmetic",
+       [](double s, const Arithmetic& a) { return s > a.largest ? 1 : a.unit; }},
+      theoryOf({"kernel", "kernel_lanes", "simbody"},
+               "they square the length as it is: sqrt(largest)", untilItsSquareOverflows)};
   f.mechanism =
       "R = 1 + 2 (w [v]x + [v]x^2) / (q'q) is a rotation for every q but 0: its length cancels "
       "exactly, and only the square of it can leave the numbers of the arithmetic. Where it does, "
@@ -113,13 +124,19 @@ Family shortQuaternion() {
   f.make = [](const std::string& s, int v) {
     return quaternionCase("short_quaternion", 1 / std::stod(s), v);
   };
-  f.theories = {{Road::kAny,
-                 "a length that is scaled before it is squared cancels exactly; what is told in "
-                 "double and rounded to the arithmetic misses a multiple of its smallest number in "
-                 "each component, and the pose twice that over the length: error s smallest",
-                 [](double s, const Arithmetic& a) {
-                   return a.rounds_state ? std::max(a.unit, s * a.smallest) : a.unit;
-                 }}};
+  f.theories = {
+      {Road::kAny,
+       "a length that is scaled before it is squared cancels exactly; what is told in "
+       "double and rounded to the arithmetic misses a multiple of its smallest number in "
+       "each component, and the pose twice that over the length: error s smallest",
+       [](double s, const Arithmetic& a) {
+         return a.rounds_state ? std::max(a.unit, s * a.smallest) : a.unit;
+       }},
+      theoryOf({"kernel", "kernel_lanes"},
+               "they divide by the square of the length as it is: sqrt(largest)",
+               untilItsSquareOverflows),
+      theoryOf({"simbody"}, "it takes a quaternion shorter than 2^-52 for none (its Quaternion.h)",
+               [](double s, const Arithmetic& a) { return s > std::ldexp(1.0, 52) ? 1 : a.unit; })};
   return f;
 }
 
@@ -138,13 +155,20 @@ Family nearAxes() {
   };
   // about the second axis the body has J = 0.1 + 0.25, and across the distance its articulated mass
   // is 1 - 0.09 / J
-  f.theories = {{Road::kAny,
-                 "J - J cancels the body's moment of inertia J down to its articulated mass times "
-                 "1/s^2: error u s^2 J / (m - (m c)^2 / J), of some four roundings",
-                 [](double s, const Arithmetic& a) {
-                   constexpr double kJ = 0.35;
-                   return rounded(4, a) * s * s * kJ / (1 - 0.09 / kJ);
-                 }}};
+  f.theories = {
+      {Road::kAny,
+       "J - J cancels the body's moment of inertia J down to its articulated mass times "
+       "1/s^2: error u s^2 J / (m - (m c)^2 / J), of some four roundings",
+       [](double s, const Arithmetic& a) {
+         constexpr double kJ = 0.35;
+         return rounded(4, a) * s * s * kJ / (1 - 0.09 / kJ);
+       }},
+      theoryOf({"fast"},
+               "J - J (J / J) is exactly 0, and m / s^2 is added to that: nothing is lost",
+               nothingCancels),
+      noTheoryOf({"articulated_body float"},
+                 "1 / J times J happens to be 1 in float for all three of these bodies, "
+                 "and J - J exactly 0")};
   f.mechanism =
       "Turned about either axis the body moves almost alike. M has two rows that differ by 1/s, "
       "and its determinant by 1/s^2.";

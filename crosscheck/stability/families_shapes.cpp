@@ -27,7 +27,11 @@ Family farCentre() {
   };
   f.theories = {{Road::kAny,
                  "(I + m s^2) - m s^2 cancels m s^2 down to I: error u s^2, of some four roundings",
-                 [](double s, const Arithmetic& a) { return rounded(4, a) * s * s; }}};
+                 [](double s, const Arithmetic& a) { return rounded(4, a) * s * s; }},
+                theoryOf({"kernel", "kernel_lanes"},
+                         "the origin is moved to the centre of mass before anything is rounded, "
+                         "since that makes the program smaller: nothing is lost",
+                         nothingCancels)};
   f.mechanism =
       "About an origin that is far from the body, its inertia is I + m s^2, and what turns it is "
       "the part I alone: the linear rows take m s^2 away again.";
@@ -60,13 +64,20 @@ Family thinRod() {
     rod.products = {"0", "0", less + n.yz};
     return caseOf("thin_rod", {rod}, noGravity(), {0.4}, {}, {1});
   };
-  f.theories = {{Road::kAny,
-                 "n' I n = I_yy n_y^2 + 2 I_yz n_y n_z + I_zz n_z^2, with I = 1 - (1 - 1/s) n n', "
-                 "cancels 1 down to 1/s: the roundings of the three stored entries alone leave u s "
-                 "(2 6^(1/2) n_y^2 n_z^2) / 3^(1/2), n = (0, 0.6, 0.8)",
-                 [](double s, const Arithmetic& a) {
-                   return rounded(1, a) * s * std::sqrt(6.0) * 0.36 * 0.64;
-                 }}};
+  f.theories = {
+      {Road::kAny,
+       "n' I n = I_yy n_y^2 + 2 I_yz n_y n_z + I_zz n_z^2, with I = 1 - (1 - 1/s) n n', "
+       "cancels 1 down to 1/s: the roundings of the three stored entries alone leave u s "
+       "(2 6^(1/2) n_y^2 n_z^2) / 3^(1/2), n = (0, 0.6, 0.8)",
+       [](double s, const Arithmetic& a) {
+         return rounded(1, a) * s * std::sqrt(6.0) * 0.36 * 0.64;
+       }},
+      theoryOf({"lagrange", "kernel", "kernel_lanes"},
+               "n' I n is one number, found exactly before it is rounded: nothing is lost",
+               nothingCancels),
+      noTheoryOf({"recursive_lagrange", "simbody"},
+                 "they turn the whole tensor into other axes, or into second moments of "
+                 "mass, before n' I n is left of it, by roundings that were not counted")};
   f.mechanism =
       "The smallest moment of inertia is not an entry of the inertia matrix but a difference of "
       "entries. Stored in inclined axes, each rounded, the matrix has forgotten it when 1/s is of "
@@ -129,7 +140,13 @@ Family tinyLengths() {
                  "1 / l = sqrt(0.13 largest)",
                  [](double s, const Arithmetic& a) {
                    return s > std::sqrt(0.13) * std::sqrt(a.largest) ? 1 : a.unit;
-                 }}};
+                 }},
+                theoryOf({"mujoco", "mujoco_principal"},
+                         "MuJoCo takes a pivot below 1e-15 (its mjMINVAL) for that, and D of the "
+                         "last joint is 0.13 kg l^2: 1 / l = sqrt(0.13 / 1e-15)",
+                         [](double s, const Arithmetic& a) {
+                           return s > std::sqrt(0.13 / 1e-15) ? 1 : a.unit;
+                         })};
   f.mechanism =
       "qdd of an arm without drives is g / l times numbers of the order of 1: units cannot matter, "
       "and nothing cancels. Digits go when a square of a length underflows, or where somebody holds "
@@ -175,7 +192,11 @@ Family counterweight() {
   f.theories = {{Road::kAny,
                  "m1 c1 - m2 c2 cancels down to 1/s of either: error u s, of four rounded figures "
                  "and two products",
-                 [](double s, const Arithmetic& a) { return rounded(6, a) * s; }}};
+                 [](double s, const Arithmetic& a) { return rounded(6, a) * s; }},
+                theoryOf({"lagrange", "kernel", "kernel_lanes"},
+                         "m1 c1 - m2 c2 is one number, found exactly before it is rounded: nothing "
+                         "is lost",
+                         nothingCancels)};
   f.mechanism =
       "The moment that holds the lever is the difference of two that nearly agree. What their "
       "figures lose in being rounded to the arithmetic is all that is left of it in the end.";

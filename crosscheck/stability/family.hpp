@@ -45,8 +45,12 @@ struct Theory {
   Road road = Road::kAny;
   std::string formula;  ///< plain text: the error, and the reason
   /// Expected |answer - truth| / largest |truth|, of rounding errors that are each uniform up to
-  /// the unit roundoff.
+  /// the unit roundoff. Empty: none is claimed, and `formula` says why.
   std::function<double(double severity, const Arithmetic&)> error;
+  /// Those that it is about, whatever their road; none: all of the road that no other names.
+  std::vector<std::string> methods = {};
+
+  bool isClaimed() const { return static_cast<bool>(error); }
 };
 
 /// What should hold and is measured, with its own theory: of a step through time, of a projector.
@@ -72,7 +76,8 @@ struct Family {
   std::optional<MechanismQuantity> whole = {};
   /// @param s  the severity as an exact decimal; the mechanism's numbers are decimals in it
   std::function<Case(const std::string& s, int variant)> make;
-  std::vector<Theory> theories;  ///< the first that is about a method's road counts; none: none
+  /// One that names a method counts, else the first that is about its road; none: none.
+  std::vector<Theory> theories;
   /// Of a family that measures what should hold: these, in place of `make`, `quantity` and
   /// `theories`; and what their digits are of.
   std::vector<Measure> measures;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,6 +50,21 @@ inline constexpr const char* kMoment[kVariants] = {"0.3", "0.37", "0.29"};
 /// Nothing cancels, until the square of s is no number of the arithmetic any more.
 inline double untilItsSquareOverflows(double s, const Arithmetic& numbers) {
   return s > std::sqrt(numbers.largest) ? 1 : numbers.unit;
+}
+
+/// What is lost is a rounding of the answer.
+inline double nothingCancels(double, const Arithmetic& numbers) {
+  return numbers.unit;
+}
+
+/// What is particular to some methods: kernels and derived equations fold exact numbers before they
+/// round, an engine has a limit of its own.
+inline Theory theoryOf(std::vector<std::string> methods, std::string formula,
+                       std::function<double(double, const Arithmetic&)> error) {
+  return {Road::kAny, std::move(formula), std::move(error), std::move(methods)};
+}
+inline Theory noTheoryOf(std::vector<std::string> methods, std::string why) {
+  return theoryOf(std::move(methods), std::move(why), {});
 }
 
 /// The worst error of the variants; what is no number is worst.

@@ -32,7 +32,8 @@ TEXTS = [
         ("limits", "How limits come about", "CONTRIBUTING.md", "How limits come about"),
         ("conventions", "Conventions", "README.md", "Conventions"),
         ("digits", "Digits that survive", "crosscheck/verdicts/digits.md", None),
-        ("sensitivity", "Limits beside faults", "crosscheck/verdicts/sensitivity.md", None)]),
+        ("sensitivity", "Limits beside faults", "crosscheck/verdicts/sensitivity.md", None),
+        ("long-runs", "Long runs", "crosscheck/motion/long_runs.md", None)]),
     ("How to", [
         ("check-your-code", "Check your own code", "README.md", "Check your own code"),
         ("engines", "Engines in other languages", "data/engines/README.md", None),

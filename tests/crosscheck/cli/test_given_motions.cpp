@@ -551,6 +551,19 @@ BOOST_AUTO_TEST_CASE(several_methods_are_drawn_in_one_picture) {
   BOOST_TEST(program.fileCount() == 1u);
 }
 
+// A picture against the step would be one point a method.
+BOOST_AUTO_TEST_CASE(several_methods_with_one_step_are_drawn_against_time) {
+  const Program program;
+  const Outcome drawn = program.run(
+      "drift simple_pendulum --method runge_kutta4,gauss_4 --step 0.05 --duration 20 --plot d.svg");
+  BOOST_TEST_REQUIRE(drawn.status == 0, drawn.out);
+  const std::string picture = program.read("d.svg");
+  for (const char* seen :
+       {"runge_kutta4: 0.05 s, at most ", "gauss_4: 0.05 s, at most ", "time  [s]"})
+    BOOST_TEST(has(picture, seen), seen);
+  BOOST_TEST(program.fileCount() == 1u);
+}
+
 BOOST_AUTO_TEST_CASE(a_motion_is_drawn_as_it_is_given) {
   const Program program;
   BOOST_TEST(

@@ -133,8 +133,9 @@ std::ostream& operator<<(std::ostream& out, const Asked& asked) {
   return out << asked.scene << ", " << asked.method << ", " << asked.duration << " s";
 }
 
-// Of the last three, the first loses 1.1 of the motion's energy at half of that step, which is no
-// instability; the others' nonlinear terms add energy well below what eigenvalues allow.
+// Of the three in the middle, the first loses 1.1 of the motion's energy at half of that step,
+// which is no instability; the others' nonlinear terms add energy well below what eigenvalues
+// allow.
 const Asked kStable[] = {
     {"springs", "runge_kutta4", 10},
     {"springs", "stormer_verlet", 10},
@@ -144,6 +145,9 @@ const Asked kStable[] = {
     {"elastic_pendulum", "runge_kutta4", 10},
     {"double_pendulum", "runge_kutta_dopri5", 5},
     {"acrobot", "runge_kutta_fehlberg78", 5},
+    {"acrobot", "implicit_euler", 5},       // no solution
+    {"cart_pole", "implicit_midpoint", 5},  // the same
+    {"cylindrical_arm", "euler", 5},  // what it gains is nothing that it would gain on the motion
 };
 
 }  // namespace
@@ -178,23 +182,23 @@ BOOST_DATA_TEST_CASE(the_largest_stable_step_is_what_bisection_finds, data::make
    factor 1.5 of what bisection finds.
 
        method                    predicted  measured      method             predicted  measured
-       euler                        15         24 of 25   stormer_verlet        16         20 of 20
-       modified_midpoint            20         24         implicit_midpoint      1         22 of 25
-       runge_kutta4                 23         24         gauss_4                1         24
-       runge_kutta_dopri5           25         25         gauss_6                1         25
-       runge_kutta_fehlberg78       25         25         implicit_euler         1         25
-       bulirsch_stoer8              23         25         radau_iia_3            1         24
-       adams_bashforth_moulton4     17         25         radau_iia_5            1         24
-       rosenbrock4                   2         25         lie_runge_kutta4      22         24
-       semi_implicit_euler          11         23
+       euler                        22         24 of 25   stormer_verlet        20         20 of 20
+       modified_midpoint            22         24         implicit_midpoint     20         22 of 25
+       runge_kutta4                 23         24         gauss_4               24         24
+       runge_kutta_dopri5           25         25         gauss_6               24         25
+       runge_kutta_fehlberg78       24         25         implicit_euler        16         25
+       bulirsch_stoer8              23         25         radau_iia_3           24         24
+       adams_bashforth_moulton4     17         25         radau_iia_5           24         24
+       rosenbrock4                  20         25         lie_runge_kutta4      22         24
+       semi_implicit_euler          20         23
 
-   Why a prediction misses: Euler's methods leave the motion by what they gain, and gain more or
-   less there (lead_screw: 0.72 s predicted, 0.040 found); implicit steps and Stormer-Verlet's lose
-   the solution that Newton's method finds, at h |lambda| of 1 to 10, in a region of stability
-   without end; what Adams's method remembers does not let it grow within 5 s. What is measured
-   misses where single steps fail far below those that all do, which two rows of trials do not both
-   meet (heavy_top, implicit_midpoint: 0.022 s does, 0.063 s does not), most often in arms that
-   swing wildly. It took 14 (Stormer-Verlet) to 38 (rosenbrock4) runs a scene. */
+   Why a prediction misses: what Adams's method remembers does not let it grow within 5 s; implicit
+   Euler's run has left the motion for a calmer one by what it takes off the energy, and finds
+   solutions there at up to 5 times the step (planar_chain_5); where nothing pulls back, as in
+   planar_3r, Euler's methods gain less than their modified equation has it to its first terms. What
+   is measured misses where single steps fail far below those that all do, which two rows of trials
+   do not both meet (heavy_top, implicit_midpoint: 0.022 s does, 0.063 s does not), most often in
+   arms that swing wildly. It took 14 (Stormer-Verlet) to 38 (rosenbrock4) runs a scene. */
 BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
   constexpr double kDuration = 5;
@@ -225,6 +229,10 @@ BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
     const Count& count = within[method.name];
     BOOST_TEST_MESSAGE("within " << method.name << ": predicted " << count.predicted
                                  << ", measured " << count.measured << " of " << count.scenes);
+    const std::string name = method.name;
+    const bool is_told_worse = name == "adams_bashforth_moulton4" || name == "implicit_euler";
+    BOOST_TEST(count.predicted >= (is_told_worse ? 15 : 20),
+               name << ", predicted: " << count.predicted << " of " << count.scenes);
     BOOST_TEST(count.measured >= 20,
                method.name << ": " << count.measured << " of " << count.scenes);
   }
