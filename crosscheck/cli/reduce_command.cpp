@@ -50,9 +50,10 @@ std::string frontScript(const scene::Scene& scene, const std::string& stem, Redu
 int run(Arguments arguments) {
   if (arguments.of == "trajectory")
     throw scene::InputError(
-        {}, "--of trajectory: no bound of where a motion ends follows from those of forces and "
-            "accelerations alone that says anything: they grow with the exponential of the scene's "
-            "Lipschitz constant; allowed: tau, qdd; dynwitness advise measures how far motions end");
+        {},
+        "--of trajectory: no bound of where a motion ends follows from those of forces and "
+        "accelerations alone that says anything: they grow with the exponential of the scene's "
+        "Lipschitz constant; allowed: tau, qdd; dynwitness advise measures how far motions end");
   arguments.options.of = arguments.of == "qdd" ? ReducedQuantity::kQdd : ReducedQuantity::kTau;
   for (const std::string& file : {arguments.json, arguments.c, arguments.toml})
     requireWritableFile(file);
@@ -85,8 +86,8 @@ int run(Arguments arguments) {
                                        scene::writeEnvelope(scene, ranges));
   if (is_front) {
     const std::string stem = safeName(scene.name) + "_front";
-    writeCharts({{stem, frontCsv(scene, reduction)}}, {{stem, frontScript(scene, stem, reduction.of)}},
-                arguments.front, arguments.look);
+    writeCharts({{stem, frontCsv(scene, reduction)}},
+                {{stem, frontScript(scene, stem, reduction.of)}}, arguments.front, arguments.look);
   }
   return 0;
 }
@@ -99,9 +100,10 @@ Run addReduce(CLI::App* command) {
            "Scene whose TOML file has [envelope]: a tree of turning and sliding joints");
   CLI::Option* allowed =
       command
-          ->add_option("--tolerance", arguments->allowed,
-                       "Of each joint's largest |tau|, or |qdd|, in the envelope: how far it may be "
-                       "off")
+          ->add_option(
+              "--tolerance", arguments->allowed,
+              "Of each joint's largest |tau|, or |qdd|, in the envelope: how far it may be "
+              "off")
           ->capture_default_str();
   command
       ->add_option("--of", arguments->of,

@@ -44,18 +44,20 @@ void requireAnswerable(const scene::Scene& scene, const EnvelopeBoxes& boxes,
   if (!is_mass && options.parameters.empty()) return;
   const char* const what = is_mass ? "masses" : "parameters";
   if (isAsked(quantities, Kind::kQdd))
-    refuse(fmt::format("qdd with uncertain {}: it is not linear in them, allowed: all other "
-                       "quantities",
-                       what));
+    refuse(
+        fmt::format("qdd with uncertain {}: it is not linear in them, allowed: all other "
+                    "quantities",
+                    what));
   requireLinear(scene, options.parameters);
   const std::size_t links = is_mass ? weighingLinks(scene.mechanism).size() : 0;
   const std::size_t all = links + options.parameters.size();
   if (all <= kMostUncertain) return;
   if (links == 0)
     refuse(fmt::format("{} uncertain parameters, allowed: up to {}", all, kMostUncertain));
-  refuse(fmt::format("uncertain masses of {} links and {} uncertain parameters, allowed: up to {} "
-                     "together",
-                     links, options.parameters.size(), kMostUncertain));
+  refuse(
+      fmt::format("uncertain masses of {} links and {} uncertain parameters, allowed: up to {} "
+                  "together",
+                  links, options.parameters.size(), kMostUncertain));
 }
 
 /// Each number of a link's mass and inertia times a factor; its centre of mass stays.

@@ -90,13 +90,12 @@ std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBo
     text +=
         fmt::format("{:<13} {:>12.6g} {:>12.6g} {:<7} {:>7.4g} {:>7}  ", b.quantity.name(), shown,
                     b.sampled * (1 - 5e-6), unitIn(scene, b.quantity), b.ratio(), b.boxes);
-    text +=
-        b.worst.q.empty()
-            ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
-            : fmt::format("q = {}; qd = {}; {} = {}{}{}\n", row(b.worst.q), row(b.worst.qd),
-                          b.worst.tau.empty() ? "qdd" : "tau",
-                          row(b.worst.tau.empty() ? b.worst.qdd : b.worst.tau), weights(scene, b),
-                          values(b, options.parameters));
+    text += b.worst.q.empty()
+                ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
+                : fmt::format("q = {}; qd = {}; {} = {}{}{}\n", row(b.worst.q), row(b.worst.qd),
+                              b.worst.tau.empty() ? "qdd" : "tau",
+                              row(b.worst.tau.empty() ? b.worst.qdd : b.worst.tau),
+                              weights(scene, b), values(b, options.parameters));
     if (!b.is_reached)
       text += std::string(14, ' ') +
               (std::isfinite(b.certified)
@@ -120,7 +119,8 @@ std::string envelopeJson(const scene::Scene& scene, const EnvelopeBoxes& boxes,
     if (ranges[k].tau) joints.back()["tau"] = {ranges[k].tau->low, ranges[k].tau->high};
   }
   for (const scene::UncertainParameter& p : options.parameters)
-    uncertain.push_back({{"parameter", p.name}, {"low", asDouble(p.low)}, {"high", asDouble(p.high)}});
+    uncertain.push_back(
+        {{"parameter", p.name}, {"low", asDouble(p.low)}, {"high", asDouble(p.high)}});
   for (const EnvelopeBound& b : bounds) {
     Json at = Json::array();
     for (std::size_t k = 0; k < b.higher.size(); ++k)

@@ -72,9 +72,9 @@ std::string detail(const ReducedModel& model, ReducedQuantity of) {
   text += fmt::format("\n{:<8} {:>12} {:>12} {:>12} {:>8}\n", "", "largest", "error", "seen", "");
   for (std::size_t i = 0; i < model.forces.size(); ++i) {
     const ReducedForce& force = model.forces[i];
-    text +=
-        fmt::format("{:<8} {:>12.6g} {:>12.6g} {:>12.6g} {:>8} %\n", fmt::format("{}_{}", name(of), i + 1),
-                    force.largest, outward(force.at_most), force.at_least, percent(force.share()));
+    text += fmt::format("{:<8} {:>12.6g} {:>12.6g} {:>12.6g} {:>8} %\n",
+                        fmt::format("{}_{}", name(of), i + 1), force.largest,
+                        outward(force.at_most), force.at_least, percent(force.share()));
   }
   return text;
 }
@@ -120,11 +120,9 @@ std::string reductionText(const scene::Scene& scene, const Reduction& reduction)
   std::string text = fmt::format(
       "{0}: operations (multiplications, additions{2}) of {1}; errors in % of each joint's largest "
       "|{1}|{3}\n\n{4:>10} {5:>10} {6:>10} {7:>8}  {8:<36} {9:>10} {10:>10}\n",
-      scene.name, name(reduction.of),
-      reduction.of == ReducedQuantity::kQdd ? ", divisions" : "",
+      scene.name, name(reduction.of), reduction.of == ReducedQuantity::kQdd ? ", divisions" : "",
       reduction.of == ReducedQuantity::kQdd ? ",\nfor the same q, qd and tau of [envelope]" : "",
-      "allowed", "operations", "certified", "seen", "made by", "as a scene",
-      "certified");
+      "allowed", "operations", "certified", "seen", "made by", "as a scene", "certified");
   text += fmt::format("{:>10} {:>10} {:>10} {:>8}  the scene's own program\n", "-",
                       reduction.full.bodyOperations().all(), "0", "0");
   const auto row = [&](const ReducedModel& m, const ReducedModel* s) {
@@ -173,9 +171,9 @@ std::string reductionC(const scene::Scene& scene, const ReducedModel& model, Red
                         outward(model.forces[i].at_most), percent(model.forces[i].share()));
   const symbolic::ProgramRun<double> run(model.program,
                                          scene::RealNumbers<double>(scene.mechanism));
-  return text + kernel::emitKernel(
-                    model.program, run,
-                    is_tau ? "reduced_inverse_dynamics" : "reduced_forward_dynamics", kLanes);
+  return text + kernel::emitKernel(model.program, run,
+                                   is_tau ? "reduced_inverse_dynamics" : "reduced_forward_dynamics",
+                                   kLanes);
 }
 
 std::string frontCsv(const scene::Scene& scene, const Reduction& reduction) {

@@ -36,8 +36,9 @@ class AccelerationReducer {
       : scene_(scene), ranges_(ranges), options_(options), stage_(stage) {
     requireTreated(scene, Command::kReduce);
     if (options.armstrong > 0)
-      throw scene::InputError({}, "--armstrong with --of qdd: his rule is about terms of tau, "
-                                  "allowed: --of tau");
+      throw scene::InputError({},
+                              "--armstrong with --of qdd: his rule is about terms of tau, "
+                              "allowed: --of tau");
     boundAccelerations();
     stage("the scene's own program");
     full_program_ = kernel::smallestRoad(scene.mechanism, Formula::kForwardDynamics).program;
@@ -82,10 +83,11 @@ class AccelerationReducer {
     within_ = ranges_;
     for (const EnvelopeBound& qdd : envelopeBounds(scene_, ranges_, options, stage_)) {
       if (!std::isfinite(qdd.certified))
-        throw scene::InputError({scene_.file.string()},
-                                fmt::format("reduce --of qdd: no bound of {} was found in {} boxes, "
-                                            "allowed: an [envelope] with smaller ranges of q",
-                                            qdd.quantity.name(), options.boxes));
+        throw scene::InputError(
+            {scene_.file.string()},
+            fmt::format("reduce --of qdd: no bound of {} was found in {} boxes, "
+                        "allowed: an [envelope] with smaller ranges of q",
+                        qdd.quantity.name(), options.boxes));
       const auto i = static_cast<std::size_t>(qdd.quantity.i);
       within_[i].qdd = {-qdd.certified, qdd.certified};
       largest_.push_back(qdd.sampled);
@@ -142,8 +144,7 @@ class AccelerationReducer {
                         std::size_t i, int boxes, double decide) const {
     EnvelopeOptions options;
     options.boxes = boxes;
-    return boundedAccelerationError(reduced, off, within_,
-                                    {Kind::kQdd, static_cast<int>(i), 0})
+    return boundedAccelerationError(reduced, off, within_, {Kind::kQdd, static_cast<int>(i), 0})
         ->over(within_, options, decide);
   }
 
@@ -187,8 +188,7 @@ class AccelerationReducer {
   EnvelopeState drivenTo(EnvelopeState state) const {
     if (state.q.empty()) return state;
     for (std::size_t k = 0; k < ranges_.size(); ++k) {
-      const double tau =
-          sweptQuantity(scene_, {Kind::kTau, static_cast<int>(k), 0}, state).value();
+      const double tau = sweptQuantity(scene_, {Kind::kTau, static_cast<int>(k), 0}, state).value();
       state.tau.push_back(std::clamp(tau, ranges_[k].tau->low, ranges_[k].tau->high));
     }
     state.qdd.clear();

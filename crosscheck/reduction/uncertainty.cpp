@@ -24,8 +24,9 @@ class Degree {
          const std::string& of) {
     for (const scene::Parameter& p : mechanism.parameters) {
       // one that is uncertain itself has its own range, whatever it was written as
-      const bool is_own = std::any_of(uncertain.begin(), uncertain.end(),
-                                      [&](const UncertainParameter& u) { return u.name == p.name; });
+      const bool is_own =
+          std::any_of(uncertain.begin(), uncertain.end(),
+                      [&](const UncertainParameter& u) { return u.name == p.name; });
       known_[p.name] = p.name == of ? 1 : is_own ? 0 : (*this)(p.value);
     }
   }
@@ -45,9 +46,8 @@ class Degree {
         return (*this)(e.right()) == 0 ? (*this)(e.left()) : kNoPolynomial;
       case Kind::kPower:
         return (*this)(e.left()) == 0 || e.exponent() == 0 ? 0
-               : e.exponent() < 0
-                   ? kNoPolynomial
-                   : std::min(kNoPolynomial, e.exponent() * (*this)(e.left()));
+               : e.exponent() < 0                          ? kNoPolynomial
+                                  : std::min(kNoPolynomial, e.exponent() * (*this)(e.left()));
       default:
         return 0;
     }
@@ -80,8 +80,8 @@ void visitNumbers(const Mechanism& mechanism, const Visit& visit) {
     vector(j.placement.xyz, place);
     vector(j.placement.rpy, place);
     vector(j.axis, "axis of " + j.name);
-    for (const scene::Number* n : {&j.placement.a, &j.placement.alpha, &j.placement.d,
-                                   &j.placement.theta, &j.pitch})
+    for (const scene::Number* n :
+         {&j.placement.a, &j.placement.alpha, &j.placement.d, &j.placement.theta, &j.pitch})
       visit(*n, place, false);
     visit(j.gear_ratio, "gear ratio of " + j.name, false);
     visit(j.rest, "rest of the spring of " + j.name, false);
@@ -96,16 +96,16 @@ void visitNumbers(const Mechanism& mechanism, const Visit& visit) {
 void requireLinear(const scene::Scene& scene, const std::vector<UncertainParameter>& parameters) {
   for (const UncertainParameter& p : parameters) {
     const Degree degree(scene.mechanism, parameters, p.name);
-    visitNumbers(scene.mechanism,
-                 [&](const scene::Number& n, const std::string& what, bool is_linear) {
-                   if (degree(n) <= (is_linear ? 1 : 0)) return;
-                   throw scene::InputError(
-                       {scene.file.string()},
-                       fmt::format("envelope.parameters: {}: the {} is \"{}\", in which forces are not "
-                                   "linear in it, allowed: parameters of degree 1 in masses, "
-                                   "inertias, rotor inertias, stiffness and friction",
-                                   p.name, what, n.text()));
-                 });
+    visitNumbers(
+        scene.mechanism, [&](const scene::Number& n, const std::string& what, bool is_linear) {
+          if (degree(n) <= (is_linear ? 1 : 0)) return;
+          throw scene::InputError(
+              {scene.file.string()},
+              fmt::format("envelope.parameters: {}: the {} is \"{}\", in which forces are not "
+                          "linear in it, allowed: parameters of degree 1 in masses, "
+                          "inertias, rotor inertias, stiffness and friction",
+                          p.name, what, n.text()));
+        });
   }
 }
 

@@ -130,6 +130,101 @@ BOOST_AUTO_TEST_CASE(bounds_along_a_motion_and_of_heavier_links) {
   refuses("--along empty.csv", "no state");
 }
 
+// By hand: tau = m (l^2 qdd + gravity l sin q) with m up to 2.5, or 10 % more; in l it is no line.
+BOOST_AUTO_TEST_CASE(bounds_of_a_parameter_that_is_not_known) {
+  const Program program;
+  std::string scene = kPendulum;
+  scene.replace(scene.find("l = 0.5"), 7, "l = 0.5\nm = 2");
+  scene.replace(scene.find("mass = 2"), 8, "mass = \"m\"");
+  const auto write = [&](const std::string& parameters) {
+    program.write("pendulum.toml", scene + "[envelope.parameters]\n" + parameters);
+  };
+  const auto bound = [&](const std::string& options) {
+    const Outcome outcome =
+        program.run("envelope pendulum.toml --ratio 1.001 --json bounds.json " + options);
+    BOOST_TEST_CONTEXT(outcome.out) {
+      BOOST_REQUIRE(outcome.status == 0);
+    }
+    return nlohmann::json::parse(program.read("bounds.json"));
+  };
+  const auto holds = [&](const std::string& options, double mass) {
+    const double expected = mass * (0.25 * 4 + 9.81 * 0.5 * std::sin(1.5));
+    const auto tau = bound(options).at("bounds").at(0);
+    BOOST_TEST(tau.at("at_most").get<double>() >= expected * (1 - 1e-15), options);
+    BOOST_TEST(tau.at("at_most").get<double>() <= 1.001 * expected, options);
+    BOOST_TEST(tau.at("at_least").get<double>() <= expected * (1 + 1e-15), options);
+  };
+  write("m = { relative = 0.1 }\n");
+  holds("", 2.2);
+  holds("--nominal", 2);
+  holds("--set m=3", 3.3);
+  holds("--masses-within 5%", 2.2 * 1.05);
+  const auto all = bound("");
+  BOOST_TEST(all.at("uncertain_parameters").at(0).at("high") == 2.2);
+  BOOST_TEST(all.at("bounds").at(0).at("parameters").at(0).at("value") == 2.2);
+  BOOST_TEST((program.run("envelope pendulum.toml").out.find("; m = 2.2") != std::string::npos));
+  write("m = [1.5, \"5*l\"]\n");
+  holds("", 2.5);
+  BOOST_TEST(program.run("write pendulum.toml --format toml -o again.toml").status == 0);
+  BOOST_TEST(program.run("envelope again.toml --json again.json").status == 0);
+  BOOST_TEST(nlohmann::json::parse(program.read("again.json")).at("uncertain_parameters") ==
+             bound("").at("uncertain_parameters"));
+
+  const auto refuses = [&](const std::string& parameters, const std::string& reason) {
+    write(parameters);
+    dynwitness::fixtures::refuses(program, "envelope pendulum.toml", reason);
+  };
+  refuses("l = { relative = 0.1 }\n", "l: the com of rod is");
+  refuses("k = { relative = 0.1 }\n", "unknown key 'k'");
+  refuses("m = { relative = 1.5 }\n", "allowed: a share from 0 to 1");
+  refuses("m = [2.5, 3]\n", "its value 2 is not in [2.5, 3]");
+  refuses("m = 3\n", "{ relative = share } or [lowest, highest]");
+  write("m = { relative = 0.1 }\n");
+  program.write("motion.csv", "q1,qd1,tau1\n0,0,1\n");
+  dynwitness::fixtures::refuses(program, "envelope pendulum.toml --along motion.csv --quantity qdd",
+                                "qdd with uncertain parameters");
+}
+
+// The reduced scene moves as near as is said: at one state by `evaluate`.
+BOOST_AUTO_TEST_CASE(accelerations_of_a_reduced_scene_stay_near) {
+  const Program program;
+  const Outcome outcome = program.run(
+      "reduce scara --of qdd --tolerance 50% --toml reduced.toml --c reduced.c --json reduced.json");
+  BOOST_REQUIRE(outcome.status == 0);
+  BOOST_TEST((outcome.out.find("qdd_4") != std::string::npos), outcome.out);
+  BOOST_TEST((program.read("reduced.c").find("reduced_forward_dynamics") != std::string::npos));
+  const auto json = nlohmann::json::parse(program.read("reduced.json"));
+  BOOST_TEST(json.at("of") == "qdd");
+  BOOST_TEST(!json.at("models").at(0).at("parameters_dropped").empty());
+  BOOST_TEST(program.run("evaluate reduced.toml --quantity qdd --q 1,1,0.1,1").status == 0);
+  const auto refuses = [&](const std::string& words, const std::string& reason) {
+    dynwitness::fixtures::refuses(program, "reduce " + words, reason);
+  };
+  refuses("scara --of trajectory", "dynwitness advise");
+  refuses("scara --of qdd --armstrong 0.01", "his rule");
+  refuses("puma_560 --of energy", "--of: ");
+}
+
+BOOST_AUTO_TEST_CASE(word_lengths_are_told_and_their_code_is_written) {
+  const Program program;
+  const Outcome outcome =
+      program.run("advise planar_3r --fixed-point --error 1e-3 --c fixed.c --json fixed.json");
+  BOOST_TEST(outcome.status == 0, outcome.out);
+  const auto json = nlohmann::json::parse(program.read("fixed.json"));
+  for (const auto& force : json.at("forces")) {
+    BOOST_TEST(force.at("error_at_most").get<double>() <= 1e-3);
+    BOOST_TEST(force.at("error_measured").get<double>() <= force.at("error_at_most").get<double>());
+  }
+  BOOST_TEST((program.read("fixed.c").find("int32_t") != std::string::npos));
+  const auto refuses = [&](const std::string& words, const std::string& reason) {
+    dynwitness::fixtures::refuses(program, "advise " + words, reason);
+  };
+  refuses("planar_3r --fixed-point", "--error: not given");
+  refuses("planar_3r --fixed-point --error 1e-3 --duration 2", "--fixed-point");
+  refuses("planar_3r --c fixed.c --error 1e-3", "--fixed-point");
+  refuses("double_pendulum --fixed-point --error 1e-3", "no [envelope]");
+}
+
 // Neither fits the ranges of [envelope], which are of joints that turn or slide.
 BOOST_AUTO_TEST_CASE(a_base_that_floats_is_refused) {
   const Program program;
