@@ -157,7 +157,16 @@ Run addAdvise(CLI::App* command) {
   CLI::Option* chart =
       command->add_option("--chart", arguments->folder,
                           "Folder: error against cost, with what is advised, as CSV and a picture");
-  for (CLI::Option* of_motion : {duration, method, budget, chart}) fixed_point->excludes(of_motion);
+  for (CLI::Option* of_motion : {duration, method, budget, chart, motions})
+    fixed_point->excludes(of_motion);
+  CLI::Option* motions =
+      command
+          ->add_option(
+              "--motions", arguments->options.motions,
+              "Motions side by side: of several, the lanes of vectors are an arithmetic, a "
+              "motion in each; costs are those of one")
+          ->capture_default_str()
+          ->check(whole(1, 1000000000));
   addPictures(*command, arguments->look);
   addJson(*command, arguments->json);
   command->footer(
@@ -165,11 +174,13 @@ Run addAdvise(CLI::App* command) {
       "  dynwitness advise double_pendulum --error 1e-3 --duration 5\n"
       "  dynwitness advise puma_560 --error 1e-2 --duration 1 --chart advice\n"
       "  dynwitness advise puma_560 --fixed-point --error 1e-3 --c puma_fixed.c\n"
+      "  dynwitness advise puma_560 --error 1e-2 --duration 1 --motions 100\n"
       "Model (the scene, or a smaller one that `reduce` certifies in [envelope]), integrator,\n"
-      "step and arithmetic (qdd as C code in float or double) together: the cheapest whose\n"
-      "error stays below, and the commands that do it. Cost: counted operations of qdd. Errors\n"
-      "are those of this motion, measured part by part; the share that joint forces miss by a\n"
-      "smaller model is proven in [envelope]. Exit status 1: nothing keeps the error.\n"
+      "step and arithmetic (qdd as C code in float or double; of several motions also the\n"
+      "kernel in lanes) together: the cheapest whose error stays below, and the commands that\n"
+      "do it. Cost: counted operations of qdd. Errors are those of this motion, measured part\n"
+      "by part; the share that joint forces miss by a smaller model is proven in [envelope].\n"
+      "Exit status 1: nothing keeps the error.\n"
       "--fixed-point: cosines and sines are inputs (a table's, or CORDIC's), and whole numbers\n"
       "as all others; what is proven is of joint forces, not of a motion.");
   return [arguments] { return run(*arguments); };
