@@ -157,8 +157,6 @@ Run addAdvise(CLI::App* command) {
   CLI::Option* chart =
       command->add_option("--chart", arguments->folder,
                           "Folder: error against cost, with what is advised, as CSV and a picture");
-  for (CLI::Option* of_motion : {duration, method, budget, chart, motions})
-    fixed_point->excludes(of_motion);
   CLI::Option* motions =
       command
           ->add_option(
@@ -167,6 +165,8 @@ Run addAdvise(CLI::App* command) {
               "motion in each; costs are those of one")
           ->capture_default_str()
           ->check(whole(1, 1000000000));
+  for (CLI::Option* of_motion : {duration, method, budget, chart, motions})
+    fixed_point->excludes(of_motion);
   addPictures(*command, arguments->look);
   addJson(*command, arguments->json);
   command->footer(
