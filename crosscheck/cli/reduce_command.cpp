@@ -51,9 +51,9 @@ int run(Arguments arguments) {
   if (arguments.of == "trajectory")
     throw scene::InputError(
         {},
-        "--of trajectory: no bound of where a motion ends follows from those of forces and "
-        "accelerations alone that says anything: they grow with the exponential of the scene's "
-        "Lipschitz constant; allowed: tau, qdd; dynwitness advise measures how far motions end");
+        "--of trajectory: from bounds over an envelope a motion's error follows only as one that "
+        "grows with exp(L t), L the Lipschitz constant of qdd there, and says nothing after a few "
+        "tenths of a second; allowed: tau, qdd; dynwitness advise measures how far motions end");
   arguments.options.of = arguments.of == "qdd" ? ReducedQuantity::kQdd : ReducedQuantity::kTau;
   for (const std::string& file : {arguments.json, arguments.c, arguments.toml})
     requireWritableFile(file);
@@ -135,12 +135,13 @@ Run addReduce(CLI::App* command) {
       "  dynwitness reduce puma_560 --tolerance 1% --c reduced.c --toml reduced.toml\n"
       "  dynwitness reduce puma_560 --front front\n"
       "  dynwitness reduce scara --armstrong 0.01\n"
-      "  dynwitness reduce scara --of qdd --tolerance 5% --toml reduced.toml\n"
+      "  dynwitness reduce puma_560 --of qdd --tolerance 50% --toml reduced.toml\n"
       "'certified' is a proven bound of the error everywhere in the envelope, in % of\n"
       "that joint's largest force; 'seen' is what sweep and program differ by at the\n"
       "worst state found. Left out: what friction and springs take, which stay.\n"
-      "Time: terms of seven joints or two arms (humanoid) take minutes, nearly all of it the\n"
-      "error of those added to a smaller scene; planar arms and SCARA seconds.\n"
+      "Time: planar arms and SCARA seconds; six joints half a minute, seven a minute, all\n"
+      "that moves in humanoid (both arms) ten. Bounding what is left of terms that are added\n"
+      "to a smaller scene takes four fifths of it; --of qdd has no terms.\n"
       "--set of a parameter changes [envelope] where it stands there; a base that floats, by\n"
       "--root or --base, has no ranges there, and is refused.");
   return [arguments] { return run(*arguments); };

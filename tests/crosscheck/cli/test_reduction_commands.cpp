@@ -179,6 +179,12 @@ BOOST_AUTO_TEST_CASE(bounds_of_a_parameter_that_is_not_known) {
   refuses("m = { relative = 1.5 }\n", "allowed: a share from 0 to 1");
   refuses("m = [2.5, 3]\n", "its value 2 is not in [2.5, 3]");
   refuses("m = 3\n", "{ relative = share } or [lowest, highest]");
+  for (const char* mass : {"m*m/2", "m^2/2", "4/m"}) {
+    std::string square = scene;
+    square.replace(square.find("mass = \"m\""), 10, fmt::format("mass = \"{}\"", mass));
+    program.write("square.toml", square + "[envelope.parameters]\nm = { relative = 0.1 }\n");
+    dynwitness::fixtures::refuses(program, "envelope square.toml", "the mass of rod is");
+  }
   write("m = { relative = 0.1 }\n");
   program.write("motion.csv", "q1,qd1,tau1\n0,0,1\n");
   dynwitness::fixtures::refuses(program, "envelope pendulum.toml --along motion.csv --quantity qdd",
