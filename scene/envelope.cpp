@@ -6,6 +6,7 @@
 
 #include "scene/text_file.hpp"
 #include "scene/toml_file.hpp"
+#include "scene/uncertain_parameters.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -20,6 +21,7 @@ class EnvelopeReader : TomlFile {
     const std::vector<std::string> labels = scene_.mechanism.rateLabels();
     Keys names;
     for (const std::string& label : labels) names.emplace_back(label);
+    names.emplace_back("parameters");  // uncertain_parameters.cpp
     checkKeys(table, "envelope", names);
     std::vector<JointRanges> all;
     for (const std::string& label : labels) {
@@ -82,7 +84,9 @@ std::vector<JointRanges> envelopeOf(const std::string& text, const Scene& scene)
   const std::string file = scene.file.string();
   const toml::table top = parsedToml(withoutMark(text), file);
   const toml::node* node = top.get("envelope");
-  return node ? EnvelopeReader(scene, file).read(*node) : std::vector<JointRanges>();
+  if (!node) return {};
+  uncertainParametersOf(text, scene);  // says what is wrong with them, wherever ranges are read
+  return EnvelopeReader(scene, file).read(*node);
 }
 
 std::vector<JointRanges> readEnvelope(const Scene& scene) {

@@ -7,12 +7,15 @@
 #include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/held_joints.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/reduction/advice.hpp"
+#include "crosscheck/reduction/fixed_point.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/envelope.hpp"
+#include "scene/held_joints.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -21,7 +24,8 @@ using namespace crosscheck;
 
 struct Arguments {
   GivenScene scene;
-  std::string json, folder;
+  std::string json, folder, code;
+  bool is_fixed_point = false;
   AdviceOptions options;
   PictureLook look;
 };
@@ -63,11 +67,34 @@ std::string wordsOf(const GivenScene& given) {
                                                                   : "'" + given.name + "'";
 }
 
+int runFixedPoint(const Arguments& arguments) {
+  scene::Scene scene = admitted(arguments.scene, Command::kReduce);
+  requireMotion(scene);
+  std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
+  tellHeldJoints(scene::fixHeldJoints(&scene, &ranges), scene);
+  FixedPoint fixed;
+  {
+    Progress progress("word lengths for " + scene.name);
+    fixed = fixedPoint(scene, ranges, arguments.options.error,
+                       [&](const std::string& what) { progress.note(what); });
+  }
+  fmt::print("{}", fixedPointText(scene, fixed));
+  if (!arguments.code.empty()) writeWholeFile(arguments.code, fixed.code);
+  if (!arguments.json.empty())
+    writeWholeFile(arguments.json, fixedPointJson(scene, fixed, DYNWITNESS_VERSION));
+  return fixed.isKept() ? 0 : 1;
+}
+
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);
+  requireWritableFile(arguments.code);
   if (!arguments.folder.empty()) requireWritableFolder(arguments.folder);
   if (arguments.options.error <= 0)
-    throw scene::InputError({}, "--error: not given, allowed: the error of the end [rad, m, 1/s]");
+    throw scene::InputError({}, arguments.is_fixed_point
+                                    ? "--error: not given, allowed: that of joint forces [N m, N]"
+                                    : "--error: not given, allowed: the error of the end [rad, m, "
+                                      "1/s]");
+  if (arguments.is_fixed_point) return runFixedPoint(arguments);
   const scene::Scene scene = admitted(arguments.scene, Command::kAdvise);
   requireMotion(scene);
   const std::vector<scene::JointRanges> ranges = scene::hasEnvelope(scene)
@@ -102,32 +129,60 @@ Run addAdvise(CLI::App* command) {
   addScene(*command, arguments->scene, "Scene: a tree; smaller models of it with [envelope]");
   command
       ->add_option("--error", arguments->options.error,
-                   "Error of the end, all coordinates and rates [rad, m, rad/s, m/s]")
+                   "Error: of the end, all coordinates and rates [rad, m, rad/s, m/s]; with "
+                   "--fixed-point of each joint force [N m, N]")
       ->check(positive());
+  CLI::Option* fixed_point = command->add_flag(
+      "--fixed-point", arguments->is_fixed_point,
+      "Bits for each signal of inverse dynamics in whole numbers, instead of a motion: proven over "
+      "[envelope], compiled and run beside double");
   command
-      ->add_option("--duration", arguments->options.duration, "Duration [s]: of the scene's motion")
-      ->check(positive())
-      ->capture_default_str();
-  command
-      ->add_option("--method", arguments->options.methods, "Integrators: [all that are explicit]")
-      ->delimiter(',');
-  command
-      ->add_option("--time-budget", arguments->options.time_budget,
-                   "At most so many seconds of CPU a simulated second, measured here")
-      ->check(positive());
-  command->add_option("--chart", arguments->folder,
-                      "Folder: error against cost, with what is advised, as CSV and a picture");
+      ->add_option("--c", arguments->code,
+                   "File: with --fixed-point, its C99 for a microcontroller")
+      ->needs(fixed_point);
+  CLI::Option* duration = command
+                              ->add_option("--duration", arguments->options.duration,
+                                           "Duration [s]: of the scene's motion")
+                              ->check(positive())
+                              ->capture_default_str();
+  CLI::Option* method = command
+                            ->add_option("--method", arguments->options.methods,
+                                         "Integrators: [all that are explicit]")
+                            ->delimiter(',');
+  CLI::Option* budget =
+      command
+          ->add_option("--time-budget", arguments->options.time_budget,
+                       "At most so many seconds of CPU a simulated second, measured here")
+          ->check(positive());
+  CLI::Option* chart =
+      command->add_option("--chart", arguments->folder,
+                          "Folder: error against cost, with what is advised, as CSV and a picture");
+  CLI::Option* motions =
+      command
+          ->add_option(
+              "--motions", arguments->options.motions,
+              "Motions side by side: of several, the lanes of vectors are an arithmetic, a "
+              "motion in each; costs are those of one")
+          ->capture_default_str()
+          ->check(whole(1, 1000000000));
+  for (CLI::Option* of_motion : {duration, method, budget, chart, motions})
+    fixed_point->excludes(of_motion);
   addPictures(*command, arguments->look);
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness advise double_pendulum --error 1e-3 --duration 5\n"
       "  dynwitness advise puma_560 --error 1e-2 --duration 1 --chart advice\n"
+      "  dynwitness advise puma_560 --fixed-point --error 1e-3 --c puma_fixed.c\n"
+      "  dynwitness advise puma_560 --error 1e-2 --duration 1 --motions 100\n"
       "Model (the scene, or a smaller one that `reduce` certifies in [envelope]), integrator,\n"
-      "step and arithmetic (qdd as C code in float or double) together: the cheapest whose\n"
-      "error stays below, and the commands that do it. Cost: counted operations of qdd. Errors\n"
-      "are those of this motion, measured part by part; the share that joint forces miss by a\n"
-      "smaller model is proven in [envelope]. Exit status 1: nothing keeps the error.");
+      "step and arithmetic (qdd as C code in float or double; of several motions also the\n"
+      "kernel in lanes) together: the cheapest whose error stays below, and the commands that\n"
+      "do it. Cost: counted operations of qdd. Errors are those of this motion, measured part\n"
+      "by part; the share that joint forces miss by a smaller model is proven in [envelope].\n"
+      "Exit status 1: nothing keeps the error.\n"
+      "--fixed-point: cosines and sines are inputs (a table's, or CORDIC's), and whole numbers\n"
+      "as all others; what is proven is of joint forces, not of a motion.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -12,6 +12,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/share.hpp"
+#include "crosscheck/cli/uncertain_parameters.hpp"
 #include "crosscheck/reduction/envelope.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/envelope.hpp"
@@ -25,6 +26,7 @@ using namespace crosscheck;
 struct Arguments {
   GivenScene scene;
   std::string json, along, masses = "0";
+  bool nominal = false;
   EnvelopeOptions options;
 };
 
@@ -34,6 +36,8 @@ int run(Arguments arguments) {
       admitted(arguments.scene, Command::kEnvelope, scene::InertiaNeed::kOfNoJoint);
   requireMotion(scene);
   arguments.options.masses = shareOf("--masses-within", arguments.masses);
+  if (!arguments.nominal)
+    arguments.options.parameters = uncertainParametersOf(arguments.scene, scene);
   EnvelopeBoxes boxes;
   if (arguments.along.empty()) {
     boxes = {envelopeOf(arguments.scene, scene)};
@@ -47,7 +51,7 @@ int run(Arguments arguments) {
     bounds = envelopeBounds(scene, boxes, arguments.options,
                             [&](const std::string& what) { progress.note(what); });
   }
-  fmt::print("{}", envelopeText(scene, bounds));
+  fmt::print("{}", envelopeText(scene, bounds, arguments.options));
   if (!arguments.json.empty())
     writeWholeFile(arguments.json,
                    envelopeJson(scene, boxes, bounds, arguments.options, DYNWITNESS_VERSION));
@@ -89,6 +93,8 @@ Run addEnvelope(CLI::App* command) {
                    "Share, 5% or 0.05: each link that moves may be heavier or lighter by it, mass "
                    "and inertia together; not for qdd")
       ->capture_default_str();
+  command->add_flag("--nominal", arguments->nominal,
+                    "Parameters as they are: what [envelope.parameters] says is left out");
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
@@ -101,7 +107,8 @@ Run addEnvelope(CLI::App* command) {
       "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
       "included; 'at least' is what the sweeps answer at the worst state that was\n"
       "seen. Along a file's motion it holds as far as that stays, between two rows,\n"
-      "within the box of both. Exit status 1: the ratio was not reached within --boxes.\n"
+      "within the box of both. [envelope.parameters] of the file (m2 = { relative = 0.1 }) names\n"
+      "parameters that may be another number; not for qdd. Exit status 1: the ratio was not reached within --boxes.\n"
       "--set of a parameter changes [envelope] where it stands there; a base that floats, by\n"
       "--root or --base, has no ranges there, and is refused.");
   return [arguments] { return run(*arguments); };

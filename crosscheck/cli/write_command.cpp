@@ -8,6 +8,7 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/cli/uncertain_parameters.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/envelope.hpp"
 #include "scene/formats.hpp"
@@ -41,7 +42,8 @@ int runWrite(const WriteArguments& arguments) {
   // from another root, on another base there are other joints
   const bool has_its_joints = arguments.scene.root.empty() && arguments.scene.changes.base.empty();
   if (format == scene::Format::kToml && has_its_joints)
-    written.text += scene::writeEnvelope(scene, envelopeOf(arguments.scene, scene));
+    written.text += scene::writeEnvelope(scene, envelopeOf(arguments.scene, scene)) +
+                    scene::writeUncertainParameters(uncertainParametersOf(arguments.scene, scene));
   else if (scene::hasEnvelope(
                scene::findScene(arguments.scene.name, scene::InertiaNeed::kOfNoJoint)))
     tell(fmt::format("{}: not written: [envelope]\n", scene.name));

@@ -190,9 +190,12 @@ struct Corner {
 
 class AccelerationSearch : public BoundedQuantity {
  public:
+  /// @param difference  whose M, c and g drive M^-1, with qdd; null: tau less the model's own
   AccelerationSearch(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
-                     const EnvelopeQuantity& quantity)
+                     const EnvelopeQuantity& quantity, const TrigonometricModel* difference)
       : model_(model),
+        driving_(difference ? *difference : model),
+        is_driven_by_tau_(!difference),
         ranges_(&ranges),
         quantity_(quantity),
         i_(quantity.i),
@@ -239,13 +242,13 @@ class AccelerationSearch : public BoundedQuantity {
       for (std::size_t b = a; b < model_.M.size(); ++b) all.push_back(model_.M[a][b]);
     sources_.assign(1, {-1, -1, static_cast<Index>(all.size())});
     for (std::size_t j = 0; j < model_.M.size(); ++j) {
-      all.push_back(model_.gravity[j]);
-      add(model_.loads[j], 1, &all.back());
+      all.push_back(driving_.gravity[j]);
+      add(driving_.loads[j], 1, &all.back());
     }
     std::map<std::pair<int, int>, std::vector<Polynomial>> pairs;
     for (int j = 0; j < model_.dof; ++j)
-      for (EnvelopePart& part : envelopeParts(model_, {EnvelopeQuantity::Kind::kC, j, 0})) {
-        if (part.k < 0) continue;
+      for (EnvelopePart& part : envelopeParts(driving_, {driven(), j, 0})) {
+        if (part.j < 0) continue;
         auto& column = pairs[{part.j, part.k}];
         column.resize(model_.M.size());
         column[static_cast<std::size_t>(j)] = std::move(part.f);
@@ -255,6 +258,10 @@ class AccelerationSearch : public BoundedQuantity {
       for (Polynomial& f : column) all.push_back(std::move(f));
     }
     return all;
+  }
+  /// c, and with qdd also M qdd.
+  EnvelopeQuantity::Kind driven() const {
+    return is_driven_by_tau_ ? EnvelopeQuantity::Kind::kC : EnvelopeQuantity::Kind::kTau;
   }
   Index placeOf(Index a, Index b) const {
     if (a > b) std::swap(a, b);
@@ -290,7 +297,7 @@ class AccelerationSearch : public BoundedQuantity {
         ErrorVector column(n_);
         for (Index j = 0; j < n_; ++j)
           column(j) = entry(sources_[static_cast<std::size_t>(s)].first + j, o);
-        if (s == 0) addSprings(q, o, &column);
+        if (s == 0 && is_driven_by_tau_) addSprings(q, o, &column);
         out.norms(s, o) = norm(L * column);
         if (o == 0) out.answers(s) = out.row.dot(column);
       }
@@ -398,11 +405,17 @@ class AccelerationSearch : public BoundedQuantity {
     double lost = at_q.answers(0).bound(), value = -sign * at_q.answers(0).value();
     for (std::size_t s = 1; s < sources_.size(); ++s) {
       const RunningError& y = at_q.answers(static_cast<Index>(s));
-      form(sources_[s].b, sources_[s].a) = -y.value();
-      lost += y.bound() * at(sources_[s].a).qd.most() * at(sources_[s].b).qd.most();
+      lost += y.bound() * mostOf(sources_[s]);
+      if (sources_[s].isOfRates()) {
+        form(sources_[s].b, sources_[s].a) = -y.value();
+      } else {
+        const Range& qdd = at(sources_[s].a).qdd;
+        value += std::max(-sign * y.value() * qdd.low, -sign * y.value() * qdd.high);
+      }
     }
     double dry = 0;
-    for (Index j = 0; j < n_; ++j) {
+    linear.setZero();
+    for (Index j = 0; is_driven_by_tau_ && j < n_; ++j) {
       const double r = at_q.row(j).value();
       const RunningError viscous = at_q.row(j) * of(model_.viscous, j);
       linear(j) = -viscous.value();
@@ -425,7 +438,7 @@ class AccelerationSearch : public BoundedQuantity {
   /// @param value  without dry friction: that is put in by its sign here
   void remember(const Corner& at_q, const std::vector<double>& q, const std::vector<double>& qd,
                 int sign, double value) {
-    for (Index j = 0; j < n_; ++j) {
+    for (Index j = 0; is_driven_by_tau_ && j < n_; ++j) {
       const double rate = qd[static_cast<std::size_t>(j)];
       const double dry = rate > 0   ? of(model_.positive, j).value()
                          : rate < 0 ? -of(model_.negative, j).value()
@@ -438,8 +451,14 @@ class AccelerationSearch : public BoundedQuantity {
     worst_.qd = qd;
     for (Index k = 0; k < n_; ++k) {
       worst_.q.push_back(at(k).q.low);
-      worst_.tau.push_back(sign * at_q.row(k).value() >= 0 ? at(k).tau->high : at(k).tau->low);
+      if (is_driven_by_tau_)
+        worst_.tau.push_back(sign * at_q.row(k).value() >= 0 ? at(k).tau->high : at(k).tau->low);
+      else
+        worst_.qdd.push_back(at(k).qdd.low);
     }
+    for (std::size_t s = 1; s < sources_.size(); ++s)
+      if (!sources_[s].isOfRates() && sign * at_q.answers(static_cast<Index>(s)).value() <= 0)
+        worst_.qdd[static_cast<std::size_t>(sources_[s].a)] = at(sources_[s].a).qdd.high;
     for (std::size_t k = 0; k < q.size(); ++k)
       worst_.q[static_cast<std::size_t>(table_.active()[k])] = q[k];
   }
@@ -451,14 +470,14 @@ class AccelerationSearch : public BoundedQuantity {
     for (Index k = 0; k < m; ++k) {
       const double mu = worst.relative(1 + k), nu = worst.relative(1 + m + k);
       double sum = 0;
-      for (Index j = 0; j < n_; ++j)  // the columns of tau: constant
+      for (Index j = 0; is_driven_by_tau_ && j < n_; ++j)  // the columns of tau: constant
         sum += (at(j).tau->most() + mostOfFriction(j, box->qd[static_cast<std::size_t>(j)])) *
                std::sqrt(worst.inverse(j)) * (2 * mu * mu + nu);
       for (std::size_t s = 0; s < sources_.size(); ++s) {
         const auto row = static_cast<Index>(s);
-        const double weight = s == 0 ? 1
-                                     : box->qd[static_cast<std::size_t>(sources_[s].a)].most() *
-                                           box->qd[static_cast<std::size_t>(sources_[s].b)].most();
+        const double weight = s == 0                     ? 1
+                              : !sources_[s].isOfRates() ? mostOf(sources_[s])
+                                                         : mostOf(sources_[s], *box);
         sum += weight * (worst.norms(row, 1 + m + k) +
                          2 * mu * (worst.norms(row, 1 + k) + mu * worst.norms(row, 0)) +
                          nu * worst.norms(row, 0));
@@ -474,11 +493,21 @@ class AccelerationSearch : public BoundedQuantity {
   }
 
   struct Source {
-    int a, b;     ///< of qd_a qd_b; -1: gravity, loads and springs
+    int a, b;     ///< of qd_a qd_b, or a alone: of qdd_a; -1: gravity, loads and springs
     Index first;  ///< its first row in the table
+    bool isOfRates() const { return b >= 0; }
   };
+  /// The largest that it is multiplied by, over all of the ranges and over a box in qd.
+  double mostOf(const Source& s) const {
+    return s.isOfRates() ? at(s.a).qd.most() * at(s.b).qd.most() : at(s.a).qdd.most();
+  }
+  static double mostOf(const Source& s, const Box& box) {
+    return box.qd[static_cast<std::size_t>(s.a)].most() *
+           box.qd[static_cast<std::size_t>(s.b)].most();
+  }
 
-  const TrigonometricModel& model_;
+  const TrigonometricModel &model_, &driving_;
+  bool is_driven_by_tau_;
   const std::vector<JointRanges>* ranges_;  ///< all of them, then those of one box within
   EnvelopeQuantity quantity_;
   Index i_, n_;
@@ -494,7 +523,14 @@ class AccelerationSearch : public BoundedQuantity {
 std::unique_ptr<BoundedQuantity> boundedAcceleration(const TrigonometricModel& model,
                                                      const std::vector<JointRanges>& ranges,
                                                      const EnvelopeQuantity& quantity) {
-  return std::make_unique<AccelerationSearch>(model, ranges, quantity);
+  return std::make_unique<AccelerationSearch>(model, ranges, quantity, nullptr);
+}
+
+std::unique_ptr<BoundedQuantity> boundedAccelerationError(const TrigonometricModel& reduced,
+                                                          const TrigonometricModel& difference,
+                                                          const std::vector<JointRanges>& ranges,
+                                                          const EnvelopeQuantity& quantity) {
+  return std::make_unique<AccelerationSearch>(reduced, ranges, quantity, &difference);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -70,9 +70,12 @@ scene::Scene moved(const scene::Scene& scene, std::size_t coordinate, double by)
 struct Prepared {
   std::unique_ptr<AccelerationCode> code;
   std::unique_ptr<CodeMotion> in_float, in_double;
+  std::unique_ptr<LaneMotion> in_lanes;  ///< none: not asked for, or there is no kernel
+  std::string why_no_lanes;
   KnownEnd end;
 
-  CodeMotion& motion(AdvisedScalar scalar) const {
+  MotionEquations<double>& motion(AdvisedScalar scalar) const {
+    if (scalar == AdvisedScalar::kLanes) return *in_lanes;
     return scalar == AdvisedScalar::kFloat ? *in_float : *in_double;
   }
 };
@@ -94,6 +97,7 @@ class Adviser {
     out_.error = options.error;
     out_.duration = options.duration;
     out_.time_budget = options.time_budget;
+    out_.motions = options.motions;
   }
 
   Advice run() {
@@ -148,6 +152,13 @@ class Adviser {
     out.code = std::make_unique<AccelerationCode>(scene);
     out.in_float = std::make_unique<CodeMotion>(scene, *out.code, CodeScalar::kFloat);
     out.in_double = std::make_unique<CodeMotion>(scene, *out.code, CodeScalar::kDouble);
+    if (out_.motions > 1) {
+      try {
+        out.in_lanes = std::make_unique<LaneMotion>(scene);
+      } catch (const kernel::NotUsed& error) {
+        out.why_no_lanes = error.what();
+      }
+    }
     out.end = endOf(scene);
     return out;
   }
@@ -166,7 +177,24 @@ class Adviser {
     AdvisedModel full;
     full.scene = scene_;
     full.operations = prepared_.front().code->operations();
+    takeLanes(prepared_.front(), &full);
+    if (const auto& lanes = prepared_.front().in_lanes) out_.lanes = lanes->lanes();
+    out_.no_lanes = prepared_.front().why_no_lanes;
     out_.models.push_back(full);
+  }
+
+  static void takeLanes(const Prepared& ready, AdvisedModel* model) {
+    if (ready.in_lanes) model->lane_operations = ready.in_lanes->operations();
+  }
+
+  /// Calls for all motions in lanes, a motion.
+  double shareOfLanes() const {
+    return static_cast<double>((out_.motions + out_.lanes - 1) / out_.lanes) /
+           static_cast<double>(out_.motions);
+  }
+  double operationsOf(const AdvisedModel& model, AdvisedScalar scalar) const {
+    return scalar == AdvisedScalar::kLanes ? model.lane_operations * shareOfLanes()
+                                           : model.operations;
   }
 
   void growth() {
@@ -226,6 +254,7 @@ class Adviser {
       scene::validate(next.scene);
       ready = prepared(next.scene);
       next.operations = ready.code->operations();
+      takeLanes(ready, &next);
       ready.end.y = placed(scene_.mechanism, withWork(ready.end.y), prepared_.front().end.y);
       next.end_error = gap(ready.end.y, prepared_.front().end.y);
       if (!(next.end_error < options_.error))
@@ -278,9 +307,12 @@ class Adviser {
       out_.candidates.push_back(base);
       return;
     }
-    for (const AdvisedScalar scalar : {AdvisedScalar::kFloat, AdvisedScalar::kDouble}) {
+    for (const AdvisedScalar scalar :
+         {AdvisedScalar::kFloat, AdvisedScalar::kDouble, AdvisedScalar::kLanes}) {
+      if (scalar == AdvisedScalar::kLanes && !prepared_[m].in_lanes) continue;
       AdvisedCandidate next = base;
       next.scalar = scalar;
+      next.operations = next.calls * operationsOf(out_.models[m], scalar);
       measure(&next);
       // once more with the room that these roundings need
       if (next.error() > options_.error && 2 * next.rounding_error < left &&
@@ -302,7 +334,7 @@ class Adviser {
     c->steps = std::lround(options_.duration / found.step);
     c->step = options_.duration / static_cast<double>(c->steps);
     c->calls = found.calls / options_.duration;
-    c->operations = c->calls * model.operations;
+    c->operations = c->calls * operationsOf(model, c->scalar);
     return true;
   }
 
@@ -312,7 +344,7 @@ class Adviser {
     TreeMotion<Real> exact(model.scene.mechanism);
     const End fine =
         endAfter(model.scene, exact, c->method, options_.duration, c->steps, ready.end.y);
-    CodeMotion& code = ready.motion(c->scalar);
+    MotionEquations<double>& code = ready.motion(c->scalar);
     const End coded =
         endAfter(model.scene, code, c->method, options_.duration, c->steps, ready.end.y);
     c->step_error = gap(fine, ready.end.y);
@@ -320,7 +352,7 @@ class Adviser {
     if (options_.time_budget > 0) time(c, &code);
   }
 
-  void time(AdvisedCandidate* c, CodeMotion* code) const {
+  void time(AdvisedCandidate* c, MotionEquations<double>* code) const {
     const AdvisedModel& model = out_.models[c->model];
     for (int run = 0; run < kTimedRuns; ++run) {
       // short ones are repeated until the clock, which counts microseconds, sees them
@@ -333,7 +365,8 @@ class Adviser {
         ++times;
         taken = cpuSeconds() - begin;
       } while (taken < kShortestRun);
-      const double one = taken / times / options_.duration;
+      const double share = c->scalar == AdvisedScalar::kLanes ? shareOfLanes() : 1;
+      const double one = share * taken / times / options_.duration;
       c->seconds = run == 0 ? one : std::min(c->seconds, one);
     }
   }
@@ -348,7 +381,7 @@ class Adviser {
 
   void sort() {
     const auto key = [](const AdvisedCandidate& c) {
-      return std::make_tuple(c.steps == 0, c.operations, c.scalar == AdvisedScalar::kDouble);
+      return std::make_tuple(c.steps == 0, c.operations, c.scalar);
     };
     std::stable_sort(
         out_.candidates.begin(), out_.candidates.end(),
@@ -379,15 +412,15 @@ class Adviser {
     for (const double times : kCurve) {
       const long steps = std::lround(times * static_cast<double>(candidate.steps));
       if (steps < 1) continue;
-      CodeMotion& code = prepared_[candidate.model].motion(candidate.scalar);
+      MotionEquations<double>& code = prepared_[candidate.model].motion(candidate.scalar);
       const long before = code.calls;
       const double error = gap(endAfter(model.scene, code, candidate.method, options_.duration,
                                         steps, prepared_.front().end.y),
                                prepared_.front().end.y);
       if (std::isfinite(error))
-        curve.points.push_back(
-            {static_cast<double>(code.calls - before) / options_.duration * model.operations,
-             error});
+        curve.points.push_back({static_cast<double>(code.calls - before) / options_.duration *
+                                    operationsOf(model, candidate.scalar),
+                                error});
     }
     return curve;
   }
@@ -409,7 +442,9 @@ std::string AdvisedModel::name() const {
 }
 
 const char* name(AdvisedScalar scalar) {
-  return scalar == AdvisedScalar::kFloat ? "float" : "double";
+  return scalar == AdvisedScalar::kFloat    ? "float"
+         : scalar == AdvisedScalar::kDouble ? "double"
+                                            : "lanes";
 }
 
 std::vector<std::string> explicitMethods() {

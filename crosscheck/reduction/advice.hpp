@@ -20,13 +20,19 @@ struct AdvisedModel {
   scene::Scene scene;
   /// Of a call of its qdd: multiplications, additions, divisions, comparisons, cosines and sines.
   int operations = 0;
-  double end_error = 0;  ///< how far its motion ends from the scene's [rad, m, rad/s, m/s]
-  std::string why_not;   ///< it is no candidate; "": it is
+  int lane_operations = 0;  ///< the same of a call of its kernel, on vectors
+  double end_error = 0;     ///< how far its motion ends from the scene's [rad, m, rad/s, m/s]
+  std::string why_not;      ///< it is no candidate; "": it is
 
   std::string name() const;  ///< "full", "within 1 %"
 };
 
-enum class AdvisedScalar { kFloat, kDouble };
+enum class AdvisedScalar {
+  kFloat,
+  kDouble,
+  kLanes  ///< double, several motions side by side in the lanes of vectors
+};
+/// "float", "double", "lanes"
 const char* name(AdvisedScalar scalar);
 
 /** One way to move the scene. Errors are of the end [rad, m, rad/s, m/s], the largest of all
@@ -60,6 +66,9 @@ struct AdvisedCurve {
 struct Advice {
   double error = 0, duration = 0;
   double time_budget = 0;  ///< [s of CPU a simulated second]; 0: none
+  long motions = 1;        ///< side by side; costs are those of one of them
+  int lanes = 0;           ///< of the kernel; 0: not asked for, or none
+  std::string no_lanes;    ///< why there are none where there are several motions
   double known_to = 0;     ///< how far the reference may be off
   /// The end moves by so many times what one coordinate of the start is off by, at most.
   double growth = 0;
@@ -76,6 +85,7 @@ struct AdviceOptions {
   double error = 0;                  ///< of the end, all coordinates [rad, m, rad/s, m/s]
   double duration = 10;              ///< [s]
   double time_budget = 0;            ///< [s of CPU a simulated second]; 0: none
+  long motions = 1;                  ///< side by side: of several, lanes are a candidate
   std::vector<std::string> methods;  ///< explicit ones; empty: all
   bool draws = false;                ///< also the curves
 };
@@ -89,7 +99,8 @@ std::vector<std::string> explicitMethods();
                     certifies, allowed to be off by 1e-6 to 0.1
         integrator  explicit, with equal steps: the largest that leaves a tenth of the error to
                     roundings (accurateStep())
-        arithmetic  qdd as C code in float or in double (CodeMotion)
+        arithmetic  qdd as C code in float or in double (CodeMotion); of several motions side by
+                    side also the kernel in lanes (LaneMotion), at its share of a vector's cost
 
     whose error of the end is at most `options.error`. Cost is counted: calls of qdd a simulated
     second times its operations, integrators' own sums apart; of equal ones float is the cheaper.

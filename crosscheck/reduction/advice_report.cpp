@@ -140,8 +140,9 @@ std::vector<std::string> advisedCommands(const scene::Scene& scene, const Advice
     out.push_back("dynwitness simulate " + how);
   else if (refusals(scene, Command::kDrift).empty())
     out.push_back("dynwitness drift " + how);
-  out.push_back(fmt::format("dynwitness derive {} --format c --quantity qdd --scalar {} -o code",
-                            moved, name(c.scalar)));
+  if (c.scalar != AdvisedScalar::kLanes)
+    out.push_back(fmt::format("dynwitness derive {} --format c --quantity qdd --scalar {} -o code",
+                              moved, name(c.scalar)));
   return out;
 }
 
@@ -154,7 +155,13 @@ std::string adviceText(const scene::Scene& scene, const Advice& advice, const st
       modelsTable(advice), aboutForces(advice));
   text += candidatesTable(advice);
   text +=
-      "operations: of qdd, a simulated second; error: of the end, the sum of its measured parts\n\n";
+      "operations: of qdd, a simulated second; error: of the end, the sum of its measured parts\n";
+  if (advice.lanes > 0)
+    text += fmt::format(
+        "lanes: {} doubles in a vector, a motion in each; of {} motions, operations of each\n",
+        advice.lanes, advice.motions);
+  if (!advice.no_lanes.empty()) text += "no lanes: " + advice.no_lanes + "\n";
+  text += "\n";
   if (!advice.chosen) return text + nothingDoes(advice);
   const AdvisedCandidate& c = advice.candidates[*advice.chosen];
   text +=
@@ -164,6 +171,10 @@ std::string adviceText(const scene::Scene& scene, const Advice& advice, const st
   text += fmt::format(" a simulated second, error {:.2g}\n", c.error());
   for (const std::string& command : advisedCommands(scene, advice, words))
     text += "  " + command + "\n";
+  if (c.scalar == AdvisedScalar::kLanes)
+    text += fmt::format(
+        "  dynwitness.load(\"{}\").fd(q, qd, tau)  of {} rows, in Python (./dynwitness python)\n",
+        advice.models[c.model].allowed > 0 ? "reduced.toml" : words, advice.motions);
   return text;
 }
 
@@ -178,6 +189,8 @@ std::string adviceJson(const scene::Scene& scene, const Advice& advice, const st
               {"duration_s", advice.duration},
               {"time_budget_s_per_s",
                advice.time_budget > 0 ? Json(advice.time_budget) : Json(nullptr)},
+              {"motions", advice.motions},
+              {"lanes", advice.lanes},
               {"reference_known_to", advice.known_to},
               {"growth", advice.growth},
               {"no_reduction", advice.no_reduction},

@@ -9,6 +9,7 @@
 
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/reduction/envelope.hpp"
+#include "crosscheck/reduction/uncertainty.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
@@ -17,7 +18,7 @@ namespace {
 using scene::JointRanges;
 using Kind = EnvelopeQuantity::Kind;
 
-constexpr std::size_t kMostWeighing = 10;  ///< 1024 scenes
+constexpr std::size_t kMostUncertain = 10;  ///< 1024 scenes
 
 bool isAsked(const std::vector<EnvelopeQuantity>& quantities, Kind kind) {
   return std::any_of(quantities.begin(), quantities.end(),
@@ -39,11 +40,24 @@ void requireAnswerable(const scene::Scene& scene, const EnvelopeBoxes& boxes,
     if (!boxes.front()[k].tau)
       refuse("qdd: [envelope] has no tau of joint '" + scene.mechanism.rateLabels()[k] +
              "', allowed: tau = [lowest, highest] of every joint");
-  if (options.masses == scene::Rational(0)) return;
+  const bool is_mass = options.masses != scene::Rational(0);
+  if (!is_mass && options.parameters.empty()) return;
+  const char* const what = is_mass ? "masses" : "parameters";
   if (isAsked(quantities, Kind::kQdd))
-    refuse("qdd with uncertain masses: it is not linear in them, allowed: all other quantities");
-  if (const std::size_t links = weighingLinks(scene.mechanism).size(); links > kMostWeighing)
-    refuse(fmt::format("uncertain masses of {} links, allowed: up to {}", links, kMostWeighing));
+    refuse(
+        fmt::format("qdd with uncertain {}: it is not linear in them, allowed: all other "
+                    "quantities",
+                    what));
+  requireLinear(scene, options.parameters);
+  const std::size_t links = is_mass ? weighingLinks(scene.mechanism).size() : 0;
+  const std::size_t all = links + options.parameters.size();
+  if (all <= kMostUncertain) return;
+  if (links == 0)
+    refuse(fmt::format("{} uncertain parameters, allowed: up to {}", all, kMostUncertain));
+  refuse(
+      fmt::format("uncertain masses of {} links and {} uncertain parameters, allowed: up to {} "
+                  "together",
+                  links, options.parameters.size(), kMostUncertain));
 }
 
 /// Each number of a link's mass and inertia times a factor; its centre of mass stays.
@@ -60,11 +74,12 @@ void scale(const scene::Rational& factor, scene::MassProperties* m) {
 class OneScene {
  public:
   OneScene(const scene::Scene& scene, const EnvelopeBoxes& boxes, const EnvelopeOptions& options,
-           std::vector<bool> heavier)
+           std::vector<bool> heavier, std::vector<bool> higher)
       : scene_(scene),
         boxes_(boxes),
         options_(options),
         heavier_(std::move(heavier)),
+        higher_(std::move(higher)),
         hull_(hullOf(boxes)),
         model_(trigonometricModel(scene)) {}
 
@@ -108,12 +123,13 @@ class OneScene {
     best->sampled = sampled;
     best->worst = mine.worst;
     best->heavier = heavier_;
+    best->higher = higher_;
   }
 
   const scene::Scene& scene_;
   const EnvelopeBoxes& boxes_;
   const EnvelopeOptions& options_;
-  std::vector<bool> heavier_;
+  std::vector<bool> heavier_, higher_;
   std::vector<JointRanges> hull_;
   TrigonometricModel model_;
   std::array<std::vector<EnvelopePart>, 6> reaction_;
@@ -205,12 +221,15 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene, const Envel
   const bool is_uncertain = options.masses != scene::Rational(0);
   const std::vector<std::size_t> links =
       is_uncertain ? weighingLinks(scene.mechanism) : std::vector<std::size_t>();
-  const std::size_t scenes = std::size_t{1} << links.size();
+  const std::vector<scene::UncertainParameter>& parameters = options.parameters;
+  const std::size_t scenes = std::size_t{1} << (links.size() + parameters.size());
   std::vector<EnvelopeBound> out(quantities.size());
   scene::Work work("quantities", static_cast<double>(scenes * (1 + quantities.size())));
   for (std::size_t heavy = scenes; heavy-- > 0;) {  // the heaviest first: often it is the worst
-    scene::Scene mine = scene;
-    std::vector<bool> heavier;
+    std::vector<bool> heavier, higher;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      higher.push_back((heavy >> (links.size() + k) & 1) != 0);
+    scene::Scene mine = atCorner(scene, parameters, higher);
     for (std::size_t k = 0; k < links.size(); ++k) {
       heavier.push_back((heavy >> k & 1) != 0);
       const scene::Rational share =
@@ -218,7 +237,7 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene, const Envel
       scale(1 + share, &mine.mechanism.links[links[k]].inertia);
     }
     stage("M and g as polynomials");
-    OneScene of(mine, boxes, options, heavier);
+    OneScene of(mine, boxes, options, heavier, higher);
     work.done();
     for (std::size_t k = 0; k < quantities.size(); ++k) {
       stage(quantities[k].name());

@@ -78,4 +78,43 @@ void CodeMotion::rate(const State& y, double /*time*/, State* rate) {
   rate->back() = 0;
 }
 
+LaneMotion::LaneMotion(const scene::Scene& scene)
+    : tree_(scene.mechanism),
+      model_(recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))),
+      kernel_(scene.mechanism, {{kernel::Formula::kForwardDynamics}, kernel::chosenLanes()}),
+      x_(model_.positions),
+      one_qd_(model_.dof()),
+      q_rate_(model_.positions) {
+  if (!kernel_.has(kernel::Formula::kForwardDynamics))
+    throw kernel::NotUsed(kernel_.notUsed().at(kernel::Formula::kForwardDynamics));
+  const auto count = static_cast<std::size_t>(lanes());
+  q_.resize(count * static_cast<std::size_t>(positions()));
+  qd_.resize(count * static_cast<std::size_t>(dof()));
+  tau_.assign(qd_.size(), 0);
+  qdd_.resize(qd_.size());
+}
+
+int LaneMotion::operations() const {
+  const kernel::Road& road = kernel_.road(kernel::Formula::kForwardDynamics);
+  const auto& loads = road.program.loads;
+  return road.operations() +
+         static_cast<int>(std::count_if(loads.begin(), loads.end(), [](const auto& load) {
+           return load.input == symbolic::Input::kCos || load.input == symbolic::Input::kSin;
+         }));
+}
+
+void LaneMotion::rate(const State& y, double /*time*/, State* rate) {
+  ++calls;
+  for (int i = 0; i < positions(); ++i) x_[i] = scene::jointPosition(y[i]);
+  std::copy_n(y.begin() + positions(), dof(), one_qd_.begin());
+  recursive::positionRates(model_, x_, one_qd_, q_rate_);
+  std::copy(q_rate_.begin(), q_rate_.end(), rate->begin());
+  for (int i = 0; i < positions(); ++i) std::fill_n(q_.begin() + i * lanes(), lanes(), y[i]);
+  for (int i = 0; i < dof(); ++i) std::fill_n(qd_.begin() + i * lanes(), lanes(), one_qd_[i]);
+  kernel_.forwardDynamics(q_.data(), qd_.data(), tau_.data(), qdd_.data(), lanes());
+  // a different lane for each joint: all have to be right
+  for (int i = 0; i < dof(); ++i) (*rate)[positions() + i] = qdd_[i * lanes() + i % lanes()];
+  rate->back() = 0;
+}
+
 }  // namespace dynwitness::crosscheck

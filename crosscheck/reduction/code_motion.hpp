@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A motion whose accelerations come from the C code that `derive --format c --quantity qdd` writes.
+// Motions whose accelerations come from compiled code: the C that `derive --format c --quantity qdd`
+// writes, or the scene's kernel in lanes.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "crosscheck/kernel/controller_code.hpp"
+#include "crosscheck/kernel/kernel.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
 
 namespace dynwitness::crosscheck {
@@ -48,6 +50,32 @@ class CodeMotion : public MotionEquations<double> {
   bool is_float_;
   std::vector<scene::JointPosition<double>> x_;
   State qd_, q_rate_;
+};
+
+/** The same by the scene's kernel, which answers for as many motions side by side as a vector of
+    this processor has doubles, in the time of one. Here all of them are the same motion. */
+class LaneMotion : public MotionEquations<double> {
+ public:
+  /// @throws kernel::NotUsed  no straight line is worth having; kernel::CannotCompile; as
+  ///   kernel::smallestRoad()
+  explicit LaneMotion(const scene::Scene& scene);
+
+  int lanes() const { return kernel_.lanes(); }
+  /// Of one call for all lanes: those of vectors, cosines and sines among them.
+  int operations() const;
+
+  int positions() const override { return tree_.positions(); }
+  int dof() const override { return tree_.dof(); }
+  void rate(const State& y, double time, State* rate) override;
+  void move(State* y, const State& u) const override { tree_.move(y, u); }
+  State commutator(const State& u, const State& v) const override { return tree_.commutator(u, v); }
+
+ private:
+  TreeMotion<double> tree_;
+  recursive::Model<double> model_;
+  kernel::Kernel kernel_;
+  std::vector<scene::JointPosition<double>> x_;
+  State one_qd_, q_rate_, q_, qd_, tau_, qdd_;  ///< the last four of all lanes
 };
 
 }  // namespace dynwitness::crosscheck

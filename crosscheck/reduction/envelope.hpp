@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "crosscheck/reduction/trigonometric.hpp"
+#include "scene/uncertain_parameters.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -43,6 +44,7 @@ struct EnvelopeBound {
   double sampled = 0;    ///< |x| is at least this at `worst`, by the sweeps
   EnvelopeState worst;
   std::vector<bool> heavier;  ///< there, by weighing link (weighingLinks); none: as they are
+  std::vector<bool> higher;   ///< there, by uncertain parameter: at its upper end
   double lost = 0;            ///< of `certified`: what roundings may make
   int boxes = 0;              ///< looked at
   /// certified <= ratio sampled, or 0 but for `lost`; otherwise the budget ended
@@ -58,6 +60,9 @@ struct EnvelopeOptions {
   /// Every link that moves may be heavier or lighter by this share, as a whole: mass, first moment
   /// and inertia. All quantities but qdd are linear in these, so that the corners are exact.
   scene::Rational masses = 0;
+  /// Parameters of the scene in which all quantities but qdd are of degree 1 (requireLinear): exact
+  /// corners, too.
+  std::vector<scene::UncertainParameter> parameters = {};
 };
 
 /// Several boxes, one after the other: a tube around a motion.
@@ -98,8 +103,8 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
                                           const std::function<void(const std::string&)>& stage);
 
 /** The same over several boxes, and over what links may weigh: the largest of all.
-    @throws scene::InputError  as before; masses are uncertain, and qdd is asked for, or more than
-      10 links move */
+    @throws scene::InputError  as before; masses or parameters are uncertain, and qdd is asked for,
+      or they are more than 10, links that move and parameters together; as requireLinear() */
 std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene, const EnvelopeBoxes& boxes,
                                           const EnvelopeOptions& options,
                                           const std::function<void(const std::string&)>& stage);
@@ -136,7 +141,8 @@ RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& qu
                            const EnvelopeState& state);
 
 /// For people, and for programs (crosscheck/reduction/envelope.schema.json).
-std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds);
+std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds,
+                         const EnvelopeOptions& options);
 std::string envelopeJson(const scene::Scene& scene, const EnvelopeBoxes& boxes,
                          const std::vector<EnvelopeBound>& bounds, const EnvelopeOptions& options,
                          const std::string& version);

@@ -59,13 +59,28 @@ std::string weights(const scene::Scene& scene, const EnvelopeBound& bound) {
   return text;
 }
 
+double asDouble(const scene::Rational& x) {
+  return scene::Exact{x, 0}.toDouble();
+}
+
+/// "; m1 = 3.3, m2 = 1.8"
+std::string values(const EnvelopeBound& bound,
+                   const std::vector<scene::UncertainParameter>& parameters) {
+  std::string text;
+  for (std::size_t k = 0; k < bound.higher.size(); ++k)
+    text += fmt::format("{}{} = {:.4g}", k == 0 ? "; " : ", ", parameters[k].name,
+                        asDouble(bound.higher[k] ? parameters[k].high : parameters[k].low));
+  return text;
+}
+
 Json number(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
 
 }  // namespace
 
-std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds) {
+std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds,
+                         const EnvelopeOptions& options) {
   std::string text = fmt::format(
       "{}: |x| over the envelope\n{:<13} {:>12} {:>12} {:<7} {:>7} {:>7}  worst state seen (SI units)\n",
       scene.name, "", "at most", "at least", "", "ratio", "boxes");
@@ -75,12 +90,12 @@ std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBo
     text +=
         fmt::format("{:<13} {:>12.6g} {:>12.6g} {:<7} {:>7.4g} {:>7}  ", b.quantity.name(), shown,
                     b.sampled * (1 - 5e-6), unitIn(scene, b.quantity), b.ratio(), b.boxes);
-    text +=
-        b.worst.q.empty()
-            ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
-            : fmt::format("q = {}; qd = {}; {} = {}{}\n", row(b.worst.q), row(b.worst.qd),
-                          b.worst.tau.empty() ? "qdd" : "tau",
-                          row(b.worst.tau.empty() ? b.worst.qdd : b.worst.tau), weights(scene, b));
+    text += b.worst.q.empty()
+                ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
+                : fmt::format("q = {}; qd = {}; {} = {}{}{}\n", row(b.worst.q), row(b.worst.qd),
+                              b.worst.tau.empty() ? "qdd" : "tau",
+                              row(b.worst.tau.empty() ? b.worst.qdd : b.worst.tau),
+                              weights(scene, b), values(b, options.parameters));
     if (!b.is_reached)
       text += std::string(14, ' ') +
               (std::isfinite(b.certified)
@@ -93,7 +108,7 @@ std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBo
 std::string envelopeJson(const scene::Scene& scene, const EnvelopeBoxes& boxes,
                          const std::vector<EnvelopeBound>& bounds, const EnvelopeOptions& options,
                          const std::string& version) {
-  Json joints = Json::array(), rows = Json::array();
+  Json joints = Json::array(), rows = Json::array(), uncertain = Json::array();
   const std::vector<std::string> labels = scene.mechanism.rateLabels();
   const std::vector<scene::JointRanges> ranges = hullOf(boxes);
   for (std::size_t k = 0; k < ranges.size(); ++k) {
@@ -103,7 +118,15 @@ std::string envelopeJson(const scene::Scene& scene, const EnvelopeBoxes& boxes,
                       {"qdd", {ranges[k].qdd.low, ranges[k].qdd.high}}});
     if (ranges[k].tau) joints.back()["tau"] = {ranges[k].tau->low, ranges[k].tau->high};
   }
-  for (const EnvelopeBound& b : bounds)
+  for (const scene::UncertainParameter& p : options.parameters)
+    uncertain.push_back(
+        {{"parameter", p.name}, {"low", asDouble(p.low)}, {"high", asDouble(p.high)}});
+  for (const EnvelopeBound& b : bounds) {
+    Json at = Json::array();
+    for (std::size_t k = 0; k < b.higher.size(); ++k)
+      at.push_back({{"parameter", options.parameters[k].name},
+                    {"value", asDouble(b.higher[k] ? options.parameters[k].high
+                                                   : options.parameters[k].low)}});
     rows.push_back({{"quantity", b.quantity.name()},
                     {"unit", unitIn(scene, b.quantity)},
                     {"at_most", number(b.certified)},
@@ -116,12 +139,15 @@ std::string envelopeJson(const scene::Scene& scene, const EnvelopeBoxes& boxes,
                     {"qdd", b.worst.qdd},
                     {"tau", b.worst.tau},
                     {"heavier", linksOf(scene, b, true)},
-                    {"lighter", linksOf(scene, b, false)}});
+                    {"lighter", linksOf(scene, b, false)},
+                    {"parameters", at}});
+  }
   return Json{{"dynwitness", version},
               {"scene", scene.name},
               {"ratio_asked", options.ratio},
               {"most_boxes", options.boxes},
               {"masses_within", static_cast<double>(options.masses)},
+              {"uncertain_parameters", uncertain},
               {"boxes_of_motion", boxes.size()},
               {"envelope", joints},
               {"bounds", rows}}

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/kernel/factor.hpp"
 #include "crosscheck/kernel/roads.hpp"
-#include "crosscheck/reduction/omissions.hpp"
+#include "crosscheck/reduction/parameter_sequence.hpp"
+#include "crosscheck/reduction/reduced_acceleration.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
@@ -22,13 +22,11 @@ namespace {
 
 using kernel::Formula;
 using scene::JointRanges;
-using scene::Mechanism;
 using symbolic::Graph;
 using symbolic::Node;
 using symbolic::Program;
 using Kind = EnvelopeQuantity::Kind;
 
-constexpr int kSampled = 400;  ///< states that decide in which order parameters go
 /// For the largest |tau_i|, of which the value that is seen counts and not its bound. Measured:
 /// arms of up to six joints have their bound after 129 at most.
 constexpr int kForceBoxes = 2000;
@@ -37,110 +35,9 @@ constexpr double kFurther = 30;       ///< parameters go until samples err by so
 constexpr int kBases = 6;  ///< of the reduced scenes between, so many are tried with terms
 constexpr std::size_t kMostTerms = 400;  ///< that are added to one joint's force
 
-// ---- parameters
-
 /// Shares of the time in percent, by which its end is told. Measured: puma_560 with 5 % takes 1.7,
 /// 0.7, 0.7, 4, 80 and 13 % of 20.4 s.
 constexpr double kForces = 2, kProgram = 1, kOrder = 1, kScenes = 4, kTerms = 80, kErrors = 12;
-
-bool isPossible(const scene::Scene& scene) {
-  try {
-    scene::validate(scene);
-    return true;
-  } catch (const scene::InputError&) {
-    return false;
-  }
-}
-
-/// A scene on the way from all parameters to few.
-struct Base {
-  scene::Scene scene;
-  std::vector<DroppedParameter> dropped;
-  double sampled = 0;  ///< the largest error of a force at samples, as a share
-};
-
-/// The envelope's states that samples are taken at, and the forces there.
-class Samples {
- public:
-  Samples(const Mechanism& mechanism, const std::vector<JointRanges>& ranges) {
-    std::mt19937_64 random(16);
-    std::uniform_real_distribution<double> share(0, 1);
-    const auto draw = [&](const scene::Range& r, bool at_end) {
-      const double s = share(random);
-      return r.low + (at_end ? std::round(s) : s) * (r.high - r.low);
-    };
-    for (int s = 0; s < kSampled; ++s) {
-      scene::State<double> state;
-      for (const JointRanges& r : ranges) {
-        state.x.push_back(scene::jointPosition(draw(r.q, false)));
-        state.qd.push_back(draw(r.qd, s % 2 == 0));
-        state.qdd.push_back(draw(r.qdd, s % 2 == 0));
-      }
-      states_.push_back(state);
-    }
-    forces_ = of(mechanism);
-  }
-
-  /// The largest error of each force as a share of `largest`, the largest of these.
-  double error(const Mechanism& mechanism, const std::vector<double>& largest) const {
-    const std::vector<std::vector<double>> mine = of(mechanism);
-    double worst = 0;
-    for (std::size_t s = 0; s < mine.size(); ++s)
-      for (std::size_t i = 0; i < largest.size(); ++i)
-        if (largest[i] > 0)
-          worst = std::max(worst, std::abs(mine[s][i] - forces_[s][i]) / largest[i]);
-    return worst;
-  }
-
- private:
-  std::vector<std::vector<double>> of(const Mechanism& mechanism) const {
-    const auto model = recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism));
-    recursive::Workspace<double> ws(model);
-    std::vector<std::vector<double>> all;
-    for (const scene::State<double>& s : states_) {
-      std::vector<double> tau(s.qd.size());
-      recursive::inverseDynamics(model, s.x, s.qd, s.qdd, ws, tau);
-      all.push_back(tau);
-    }
-    return all;
-  }
-
-  std::vector<scene::State<double>> states_;
-  std::vector<std::vector<double>> forces_;
-};
-
-/// Parameters go one after the other, the one first that is missed least; the scene as it is first.
-std::vector<Base> sequence(const scene::Scene& scene, const Samples& samples,
-                           const std::vector<double>& largest, double until) {
-  std::vector<Omission> omissions;
-  using What = Omission::What;
-  const std::vector<scene::Link>& links = scene.mechanism.links;
-  std::vector<bool> moves(links.size(), false);  // what rests is in no force
-  for (std::size_t l = 1; l < links.size(); ++l) {
-    moves[l] = moves[static_cast<std::size_t>(links[l].parent)] ||
-               links[l].joint.kind != scene::JointKind::kFixed;
-    if (!moves[l]) continue;
-    for (const What what :
-         {What::kProducts, What::kInertia, What::kOnAxis, What::kMass, What::kRotor})
-      omissions.push_back({l, what});
-    for (int k = 0; k < 3; ++k) omissions.push_back({l, What::kCom, k});
-  }
-  std::vector<Base> all = {{scene, {}, 0}};
-  scene::Work work("parameters", static_cast<double>(omissions.size()));
-  for (;; work.done()) {
-    std::optional<Base> best;
-    for (const Omission& omission : omissions) {
-      Base next = all.back();
-      if (!apply(omission, &next.scene.mechanism) || !isPossible(next.scene)) continue;
-      next.sampled = samples.error(next.scene.mechanism, largest);
-      if (best && best->sampled <= next.sampled) continue;
-      next.dropped.push_back({words(omission, scene.mechanism), next.sampled});
-      best = next;
-    }
-    if (!best || best->sampled > until) return all;
-    all.push_back(*best);
-  }
-}
 
 /// Nothing of it weighs anything.
 scene::Scene weightless(scene::Scene scene) {
@@ -158,18 +55,6 @@ scene::Scene weightless(scene::Scene scene) {
 Polynomial difference(const Polynomial& a, const Polynomial& b) {
   Polynomial out = a;
   add(b, -1, &out);
-  return out;
-}
-
-/// M and gravity of a - b: all else of tau is common to both.
-TrigonometricModel difference(const TrigonometricModel& a, const TrigonometricModel& b) {
-  TrigonometricModel out = a;
-  for (std::size_t i = 0; i < a.M.size(); ++i) {
-    for (std::size_t j = i; j < a.M.size(); ++j)
-      out.M[i][j] = out.M[j][i] = difference(a.M[i][j], b.M[i][j]);
-    out.gravity[i] = difference(a.gravity[i], b.gravity[i]);
-    out.loads[i].clear();
-  }
   return out;
 }
 
@@ -427,11 +312,11 @@ class Reducer {
     Reduction out;
     out.full = full_program_;
     stage_("which parameters are missed least");
-    const Samples samples(scene_.mechanism, ranges_);
+    const ReductionSamples samples(scene_.mechanism, ranges_, ReducedQuantity::kTau);
     const double most = *std::max_element(options_.allowed.begin(), options_.allowed.end());
     {
       const scene::Work work("order", 1, kOrder);
-      bases_ = sequence(scene_, samples, largest_, kFurther * most);
+      bases_ = parameterSequence(scene_, samples, largest_, kFurther * most);
     }
     bases_.push_back({weightless(scene_), {}, HUGE_VAL});
     found_.resize(options_.allowed.size());
@@ -711,12 +596,23 @@ class Reducer {
   std::vector<double> largest_, lost_;
   Program full_program_;
   TrigonometricModel full_;
-  std::vector<Base> bases_;  ///< the scene as it is first, nothing that weighs last
+  std::vector<ReducedBase> bases_;  ///< the scene as it is first, nothing that weighs last
   std::map<std::size_t, Program> sweeps_;
   std::vector<std::optional<Found>> found_, scenes_;
 };
 
 }  // namespace
+
+TrigonometricModel difference(const TrigonometricModel& a, const TrigonometricModel& b) {
+  TrigonometricModel out = a;
+  for (std::size_t i = 0; i < a.M.size(); ++i) {
+    for (std::size_t j = i; j < a.M.size(); ++j)
+      out.M[i][j] = out.M[j][i] = difference(a.M[i][j], b.M[i][j]);
+    out.gravity[i] = difference(a.gravity[i], b.gravity[i]);
+    out.loads[i].clear();
+  }
+  return out;
+}
 
 std::string ChangedTerm::name() const {
   if (j < 0) return fmt::format("g_{}", i + 1);
@@ -733,6 +629,8 @@ double ReducedModel::share() const {
 Reduction reduced(const scene::Scene& scene, const std::vector<JointRanges>& ranges,
                   const ReduceOptions& options,
                   const std::function<void(const std::string&)>& stage) {
+  if (options.of == ReducedQuantity::kQdd)
+    return reducedInAcceleration(scene, ranges, options, stage);
   const scene::Work work("reduction", kForces + kProgram + kOrder + kScenes + kTerms + kErrors);
   return Reducer(scene, ranges, options, stage).run();
 }

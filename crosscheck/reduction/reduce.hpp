@@ -12,11 +12,19 @@
 
 namespace dynwitness::crosscheck {
 
+/// What is promised to be near the scene's.
+enum class ReducedQuantity {
+  kTau,  ///< forces for q, qd, qdd
+  kQdd   ///< accelerations for q, qd, tau
+};
+/// "tau", "qdd"
+const char* name(ReducedQuantity quantity);
+
 /// An inertial parameter that a reduced scene has not.
 struct DroppedParameter {
   std::string what;  ///< "link_6: its products of inertia"
-  /// The most that dropping it, after those before it in the list, changes any tau_i at sampled
-  /// states, as a share of the largest |tau_i|: why it was chosen, no bound.
+  /// The most that dropping it, after those before it in the list, changes any tau_i, or qdd_i, at
+  /// sampled states, as a share of its largest: why it was chosen, no bound.
   double sampled = 0;
 };
 
@@ -37,7 +45,7 @@ struct ChangedTerm {
   std::string name() const;  ///< "c_2,4,5", "M_1,2", "g_3"
 };
 
-/// What becomes of one joint's force.
+/// What becomes of one joint's force, or of its acceleration: tau_i below is qdd_i then.
 struct ReducedForce {
   double largest = 0;   ///< |tau_i| is at least this somewhere in the envelope (sweeps)
   double at_most = 0;   ///< |tau_i - reduced tau_i| is at most this everywhere
@@ -57,14 +65,15 @@ struct ReducedModel {
   std::vector<KeptTerm> terms;
   std::vector<ChangedTerm> changed;  ///< the largest first
   std::vector<ReducedForce> forces;
-  symbolic::Program program;  ///< tau of q, qd, qdd
+  symbolic::Program program;  ///< tau of q, qd, qdd; or qdd of q, qd, tau
 
   double share() const;  ///< the largest of the joints'
   int operations() const { return program.bodyOperations().all(); }
 };
 
 struct Reduction {
-  symbolic::Program full;            ///< the scene's own smallest program of tau
+  ReducedQuantity of = ReducedQuantity::kTau;
+  symbolic::Program full;            ///< the scene's own smallest program of tau, or of qdd
   std::vector<ReducedModel> models;  ///< one an allowed error: the fewest operations found
   std::vector<ReducedModel>
       scenes;  ///< one an allowed error: without terms, so a scene and no more
@@ -74,7 +83,8 @@ struct Reduction {
 };
 
 struct ReduceOptions {
-  std::vector<double> allowed = {0.01};  ///< shares of the largest |tau_i|, ascending
+  ReducedQuantity of = ReducedQuantity::kTau;
+  std::vector<double> allowed = {0.01};  ///< shares of the largest |tau_i|, or |qdd_i|, ascending
   double armstrong = 0;                  ///< also his rule with this share; 0: not
   int boxes = 20000;                     ///< at most, for the error of one joint's force in the end
   bool adds_terms = true;                ///< false: scenes alone, in a fifth of the time
@@ -90,8 +100,10 @@ struct ReduceOptions {
     together allows, and the others are added to the reduced scene's sweep. So errors that cancel
     do, and none counts twice. Samples choose the order; what is promised is bounded by
     boundOfParts() alone.
+
+    Of qdd (reduced_acceleration.hpp) the models are scenes without terms.
     @throws scene::InputError  as envelopeBounds(); an allowed error within roundings; Coulomb friction,
-      which programs have no sign for */
+      which programs have no sign for; of qdd: no range of tau, no bound of qdd, Armstrong's rule */
 Reduction reduced(const scene::Scene& scene, const std::vector<scene::JointRanges>& ranges,
                   const ReduceOptions& options,
                   const std::function<void(const std::string&)>& stage);
@@ -100,9 +112,9 @@ Reduction reduced(const scene::Scene& scene, const std::vector<scene::JointRange
 std::string reductionText(const scene::Scene& scene, const Reduction& reduction);
 std::string reductionJson(const scene::Scene& scene, const Reduction& reduction,
                           const std::string& version);
-std::string reductionC(const scene::Scene& scene, const ReducedModel& model);
+std::string reductionC(const scene::Scene& scene, const ReducedModel& model, ReducedQuantity of);
 /// `allowed,operations,certified,seen,scene_operations,scene_certified`, shares of the largest
-/// |tau_i|.
+/// |tau_i|, or |qdd_i|.
 std::string frontCsv(const scene::Scene& scene, const Reduction& reduction);
 
 }  // namespace dynwitness::crosscheck

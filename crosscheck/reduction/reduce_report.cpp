@@ -48,7 +48,7 @@ std::string howItIsMade(const ReducedModel& model) {
       model.terms.empty() ? "" : fmt::format(", {} terms added", model.terms.size()));
 }
 
-std::string detail(const ReducedModel& model) {
+std::string detail(const ReducedModel& model, ReducedQuantity of) {
   std::string text;
   if (!model.is_explicit && !model.parameters.empty()) {
     text += "\nwithout, one after the other (what samples miss with it, in all):\n";
@@ -72,9 +72,9 @@ std::string detail(const ReducedModel& model) {
   text += fmt::format("\n{:<8} {:>12} {:>12} {:>12} {:>8}\n", "", "largest", "error", "seen", "");
   for (std::size_t i = 0; i < model.forces.size(); ++i) {
     const ReducedForce& force = model.forces[i];
-    text +=
-        fmt::format("{:<8} {:>12.6g} {:>12.6g} {:>12.6g} {:>8} %\n", fmt::format("tau_{}", i + 1),
-                    force.largest, outward(force.at_most), force.at_least, percent(force.share()));
+    text += fmt::format("{:<8} {:>12.6g} {:>12.6g} {:>12.6g} {:>8} %\n",
+                        fmt::format("{}_{}", name(of), i + 1), force.largest,
+                        outward(force.at_most), force.at_least, percent(force.share()));
   }
   return text;
 }
@@ -106,7 +106,8 @@ Json jsonOf(const ReducedModel& model) {
                       {"error_at_least", f.at_least},
                       {"q", f.worst.q},
                       {"qd", f.worst.qd},
-                      {"qdd", f.worst.qdd}});
+                      {"qdd", f.worst.qdd},
+                      {"tau", f.worst.tau}});
   return {{"allowed", model.allowed},         {"operations", model.operations()},
           {"certified", model.share()},       {"is_explicit", model.is_explicit},
           {"parameters_dropped", parameters}, {"terms_added", terms},
@@ -117,10 +118,11 @@ Json jsonOf(const ReducedModel& model) {
 
 std::string reductionText(const scene::Scene& scene, const Reduction& reduction) {
   std::string text = fmt::format(
-      "{}: operations (multiplications, additions) of tau; errors in % of each joint's largest "
-      "|tau|\n\n{:>10} {:>10} {:>10} {:>8}  {:<36} {:>10} {:>10}\n",
-      scene.name, "allowed", "operations", "certified", "seen", "made by", "as a scene",
-      "certified");
+      "{0}: operations (multiplications, additions{2}) of {1}; errors in % of each joint's largest "
+      "|{1}|{3}\n\n{4:>10} {5:>10} {6:>10} {7:>8}  {8:<36} {9:>10} {10:>10}\n",
+      scene.name, name(reduction.of), reduction.of == ReducedQuantity::kQdd ? ", divisions" : "",
+      reduction.of == ReducedQuantity::kQdd ? ",\nfor the same q, qd and tau of [envelope]" : "",
+      "allowed", "operations", "certified", "seen", "made by", "as a scene", "certified");
   text += fmt::format("{:>10} {:>10} {:>10} {:>8}  the scene's own program\n", "-",
                       reduction.full.bodyOperations().all(), "0", "0");
   const auto row = [&](const ReducedModel& m, const ReducedModel* s) {
@@ -136,7 +138,7 @@ std::string reductionText(const scene::Scene& scene, const Reduction& reduction)
     text += "\nArmstrong's rule, terms below so much of their entry's largest dropped:\n";
     row(m, nullptr);
   }
-  if (reduction.models.size() == 1) text += detail(reduction.models.front());
+  if (reduction.models.size() == 1) text += detail(reduction.models.front(), reduction.of);
   return text;
 }
 
@@ -148,6 +150,7 @@ std::string reductionJson(const scene::Scene& scene, const Reduction& reduction,
   for (const ReducedModel& m : reduction.by_rule) by_rule.push_back(jsonOf(m));
   return Json{{"dynwitness", version},
               {"scene", scene.name},
+              {"of", name(reduction.of)},
               {"operations", reduction.full.bodyOperations().all()},
               {"models", models},
               {"as_scenes", scenes},
@@ -156,26 +159,29 @@ std::string reductionJson(const scene::Scene& scene, const Reduction& reduction,
          "\n";
 }
 
-std::string reductionC(const scene::Scene& scene, const ReducedModel& model) {
+std::string reductionC(const scene::Scene& scene, const ReducedModel& model, ReducedQuantity of) {
+  const bool is_tau = of == ReducedQuantity::kTau;
   std::string text = fmt::format(
-      "// tau of {}, reduced: {} operations; out = tau, u = qd, w = qdd, SI units.\n"
+      "// {2} of {0}, reduced: {1} operations; out = {2}, u = qd, w = {3}, SI units.\n"
       "// In the scene's [envelope] it is off by no more than, joint by joint (proven, but for the\n"
       "// roundings of this code):\n",
-      scene.name, model.operations());
+      scene.name, model.operations(), name(of), is_tau ? "qdd" : "tau");
   for (std::size_t i = 0; i < model.forces.size(); ++i)
-    text += fmt::format("//   tau_{}: {:.6g}, {} % of its largest\n", i + 1,
+    text += fmt::format("//   {}_{}: {:.6g}, {} % of its largest\n", name(of), i + 1,
                         outward(model.forces[i].at_most), percent(model.forces[i].share()));
   const symbolic::ProgramRun<double> run(model.program,
                                          scene::RealNumbers<double>(scene.mechanism));
-  return text + kernel::emitKernel(model.program, run, "reduced_inverse_dynamics", kLanes);
+  return text + kernel::emitKernel(model.program, run,
+                                   is_tau ? "reduced_inverse_dynamics" : "reduced_forward_dynamics",
+                                   kLanes);
 }
 
 std::string frontCsv(const scene::Scene& scene, const Reduction& reduction) {
   std::string text = fmt::format(
-      "# {}: operations of tau against its error, a share of each joint's largest |tau|; certified: "
+      "# {0}: operations of {1} against its error, a share of each joint's largest |{1}|; certified: "
       "proven, seen: at some state\n"
       "allowed,operations,certified,seen,scene_operations,scene_certified\n",
-      scene.name);
+      scene.name, name(reduction.of));
   for (std::size_t t = 0; t < reduction.models.size(); ++t) {
     const ReducedModel &m = reduction.models[t], &s = reduction.scenes[t];
     text += fmt::format("{},{},{:.6g},{:.6g},{},{:.6g}\n", m.allowed, m.operations(),

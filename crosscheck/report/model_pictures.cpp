@@ -134,6 +134,10 @@ std::string frontHtml(const Json& front, const std::string& file) {
     throw scene::InputError({file, 0},
                             "one model alone, allowed: several, as "
                             "`dynwitness reduce --front FOLDER --json FILE` writes them");
+  if (front.value("of", "tau") != "tau")
+    throw scene::InputError({file, 0},
+                            "models whose accelerations are near, allowed: those whose "
+                            "forces are, of `dynwitness reduce --front` without --of");
   const int full = front.at("operations").get<int>();
   const std::vector<Point> scenes = pointsOf(front.at("as_scenes")), all = pointsOf(models);
   double most = 0;

@@ -130,6 +130,142 @@ BOOST_AUTO_TEST_CASE(bounds_along_a_motion_and_of_heavier_links) {
   refuses("--along empty.csv", "no state");
 }
 
+// By hand: tau = m (l^2 qdd + gravity l sin q) with m up to 2.5, or 10 % more; in l it is no line.
+BOOST_AUTO_TEST_CASE(bounds_of_a_parameter_that_is_not_known) {
+  const Program program;
+  std::string scene = kPendulum;
+  scene.replace(scene.find("l = 0.5"), 7, "l = 0.5\nm = 2");
+  scene.replace(scene.find("mass = 2"), 8, "mass = \"m\"");
+  const auto write = [&](const std::string& parameters) {
+    program.write("pendulum.toml", scene + "[envelope.parameters]\n" + parameters);
+  };
+  const auto bound = [&](const std::string& options) {
+    const Outcome outcome =
+        program.run("envelope pendulum.toml --ratio 1.001 --json bounds.json " + options);
+    BOOST_TEST_CONTEXT(outcome.out) {
+      BOOST_REQUIRE(outcome.status == 0);
+    }
+    return nlohmann::json::parse(program.read("bounds.json"));
+  };
+  const auto holds = [&](const std::string& options, double mass) {
+    const double expected = mass * (0.25 * 4 + 9.81 * 0.5 * std::sin(1.5));
+    const auto tau = bound(options).at("bounds").at(0);
+    BOOST_TEST(tau.at("at_most").get<double>() >= expected * (1 - 1e-15), options);
+    BOOST_TEST(tau.at("at_most").get<double>() <= 1.001 * expected, options);
+    BOOST_TEST(tau.at("at_least").get<double>() <= expected * (1 + 1e-15), options);
+  };
+  write("m = { relative = 0.1 }\n");
+  holds("", 2.2);
+  holds("--nominal", 2);
+  holds("--set m=3", 3.3);
+  holds("--masses-within 5%", 2.2 * 1.05);
+  const auto all = bound("");
+  BOOST_TEST(all.at("uncertain_parameters").at(0).at("high") == 2.2);
+  BOOST_TEST(all.at("bounds").at(0).at("parameters").at(0).at("value") == 2.2);
+  BOOST_TEST((program.run("envelope pendulum.toml").out.find("; m = 2.2") != std::string::npos));
+  write("m = [1.5, \"5*l\"]\n");
+  holds("", 2.5);
+  BOOST_TEST(program.run("write pendulum.toml --format toml -o again.toml").status == 0);
+  BOOST_TEST(program.run("envelope again.toml --json again.json").status == 0);
+  BOOST_TEST(nlohmann::json::parse(program.read("again.json")).at("uncertain_parameters") ==
+             bound("").at("uncertain_parameters"));
+
+  const auto refuses = [&](const std::string& parameters, const std::string& reason) {
+    write(parameters);
+    dynwitness::fixtures::refuses(program, "envelope pendulum.toml", reason);
+  };
+  refuses("l = { relative = 0.1 }\n", "l: the com of rod is");
+  refuses("k = { relative = 0.1 }\n", "unknown key \"k\", allowed: l, m");
+  refuses("m = { relative = 1.5 }\n", "allowed: a share from 0 to 1");
+  refuses("m = [2.5, 3]\n", "its value 2 is not in [2.5, 3]");
+  refuses("m = 3\n", "{ relative = share } or [lowest, highest]");
+  for (const char* mass : {"m*m/2", "m^2/2", "4/m"}) {
+    std::string square = scene;
+    square.replace(square.find("mass = \"m\""), 10, fmt::format("mass = \"{}\"", mass));
+    program.write("square.toml", square + "[envelope.parameters]\nm = { relative = 0.1 }\n");
+    dynwitness::fixtures::refuses(program, "envelope square.toml", "the mass of rod is");
+  }
+  write("m = { relative = 0.1 }\n");
+  program.write("motion.csv", "q1,qd1,tau1\n0,0,1\n");
+  dynwitness::fixtures::refuses(program, "envelope pendulum.toml --along motion.csv --quantity qdd",
+                                "qdd with uncertain parameters");
+}
+
+// Two rods whose lower one is balanced but for a tenth of a millimetre.
+BOOST_AUTO_TEST_CASE(accelerations_of_a_reduced_scene_stay_near) {
+  const Program program;
+  const auto rod = [](const std::string& name, const std::string& parent, const std::string& rest) {
+    return "[[link]]\nname = \"" + name + "\"\nparent = \"" + parent + "\"\nmass = 1\n" + rest +
+           "inertia = { about = \"com\", xx = 0.02, yy = 0.02, zz = 0.001 }\n[link.joint]\nname = "
+           "\"joint_" +
+           name + "\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n";
+  };
+  program.write("rods.toml",
+                "gravity = [0, 0, -9.81]\n" + kBase +
+                    rod("upper", "base", "com = [0, 0, -0.25]\n") +
+                    rod("lower", "upper", "com = [0.0001, 0, -0.25]\n") +
+                    "xyz = [0, 0, -0.5]\n[envelope]\n"
+                    "joint_upper = { q = [-2, 2], qd = [-2, 2], qdd = [0, 0], tau = [-20, 20] }\n"
+                    "joint_lower = { q = [-3, 3], qd = [-3, 3], qdd = [0, 0], tau = [-9, 9] }\n");
+  const Outcome outcome = program.run(
+      "reduce rods.toml --of qdd --tolerance 5% --toml reduced.toml --c reduced.c --json r.json");
+  BOOST_REQUIRE(outcome.status == 0);
+  BOOST_TEST((outcome.out.find("qdd_2") != std::string::npos), outcome.out);
+  BOOST_TEST((program.read("reduced.c").find("reduced_forward_dynamics") != std::string::npos));
+  const auto json = nlohmann::json::parse(program.read("r.json"));
+  BOOST_TEST(json.at("of") == "qdd");
+  const auto model = json.at("models").at(0);
+  BOOST_TEST(model.at("parameters_dropped").size() == 1U);
+  // the program's own answers of both scenes where the bound's search saw the most
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto force = model.at("forces").at(i);
+    const auto list = [&](const char* what) {
+      return fmt::format("{:.17g},{:.17g}", force.at(what).at(0).get<double>(),
+                         force.at(what).at(1).get<double>());
+    };
+    const auto qdd = [&](const std::string& file) {
+      const Outcome run = program.run("evaluate " + file + " --quantity qdd --q=" + list("q") +
+                                      " --qd=" + list("qd") + " --tau=" + list("tau"));
+      BOOST_REQUIRE(run.status == 0);
+      std::istringstream row(run.out.substr(run.out.find('\n') + 1));
+      double x = 0;
+      char comma = 0;
+      row >> x;
+      if (i == 1) row >> comma >> x;
+      return x;
+    };
+    const double off = std::abs(qdd("rods.toml") - qdd("reduced.toml"));
+    BOOST_TEST(off <= force.at("error_at_most").get<double>());
+    BOOST_TEST(std::abs(off - force.at("error_at_least").get<double>()) <= 1e-9 * off);
+  }
+  const auto refuses = [&](const std::string& words, const std::string& reason) {
+    dynwitness::fixtures::refuses(program, "reduce " + words, reason);
+  };
+  refuses("scara --of trajectory", "dynwitness advise");
+  refuses("scara --of qdd --armstrong 0.01", "his rule");
+  refuses("puma_560 --of energy", "--of: ");
+}
+
+BOOST_AUTO_TEST_CASE(word_lengths_are_told_and_their_code_is_written) {
+  const Program program;
+  const Outcome outcome =
+      program.run("advise planar_3r --fixed-point --error 1e-3 --c fixed.c --json fixed.json");
+  BOOST_TEST(outcome.status == 0, outcome.out);
+  const auto json = nlohmann::json::parse(program.read("fixed.json"));
+  for (const auto& force : json.at("forces")) {
+    BOOST_TEST(force.at("error_at_most").get<double>() <= 1e-3);
+    BOOST_TEST(force.at("error_measured").get<double>() <= force.at("error_at_most").get<double>());
+  }
+  BOOST_TEST((program.read("fixed.c").find("int32_t") != std::string::npos));
+  const auto refuses = [&](const std::string& words, const std::string& reason) {
+    dynwitness::fixtures::refuses(program, "advise " + words, reason);
+  };
+  refuses("planar_3r --fixed-point", "--error: not given");
+  refuses("planar_3r --fixed-point --error 1e-3 --duration 2", "--fixed-point");
+  refuses("planar_3r --c fixed.c --error 1e-3", "--fixed-point");
+  refuses("double_pendulum --fixed-point --error 1e-3", "no [envelope]");
+}
+
 // Neither fits the ranges of [envelope], which are of joints that turn or slide.
 BOOST_AUTO_TEST_CASE(a_base_that_floats_is_refused) {
   const Program program;

@@ -140,6 +140,41 @@ BOOST_AUTO_TEST_CASE(float_is_not_advised_beyond_its_digits) {
   for (const AdvisedCurve& curve : advice.curves) BOOST_TEST(curve.points.size() >= 5U);
 }
 
+// Of several motions lanes cost a share, and err as double does: the kernel's cosines are others.
+BOOST_AUTO_TEST_CASE(lanes_are_advised_to_several_motions_and_not_to_one) {
+  const scene::Scene scene = scene::readSceneToml(kPendulum, "pendulum");
+  AdviceOptions options;
+  options.error = 1e-9;  // beyond float
+  options.duration = 1;
+  options.methods = {"runge_kutta_fehlberg78"};
+  options.draws = true;
+  for (const long motions : {1L, 3L, 1000L}) {
+    options.motions = motions;
+    const Advice advice = adviceFor(scene, {}, options, kSilent);
+    const auto of = [&](AdvisedScalar scalar) {
+      return std::find_if(advice.candidates.begin(), advice.candidates.end(),
+                          [&](const auto& c) { return c.scalar == scalar; });
+    };
+    const auto lanes = of(AdvisedScalar::kLanes), plain = of(AdvisedScalar::kDouble);
+    BOOST_TEST((lanes != advice.candidates.end()) == (motions > 1));
+    if (motions == 1) continue;
+    BOOST_TEST(advice.lanes >= 2);
+    BOOST_TEST(advice.curves.size() == 3U);
+    BOOST_TEST(lanes->why_not.empty(), lanes->why_not);
+    BOOST_TEST(lanes->steps == plain->steps);
+    BOOST_TEST(lanes->step_error == plain->step_error);
+    // of 3 motions in 4 lanes one call is enough, in 2 two; of 1000 one in `lanes`
+    const double share = static_cast<double>((motions + advice.lanes - 1) / advice.lanes) /
+                         static_cast<double>(motions);
+    const int operations = advice.models[0].lane_operations;
+    BOOST_TEST(operations > 0);
+    BOOST_TEST(std::abs(lanes->operations - lanes->calls * operations * share) <=
+               1e-9 * lanes->operations);
+    BOOST_REQUIRE(advice.chosen.has_value());
+    BOOST_TEST((advice.candidates[*advice.chosen].scalar == AdvisedScalar::kLanes));
+  }
+}
+
 BOOST_AUTO_TEST_CASE(a_smaller_model_is_advised_where_it_does_and_named_why_not_where_it_does_not) {
   const scene::Scene scene = scene::readSceneToml(kCrumb, "crumb");
   const auto ranges = scene::envelopeOf(kCrumb, scene);

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/reduction/reduced_acceleration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/reduction/acceleration.hpp"
+#include "crosscheck/reduction/parameter_sequence.hpp"
+#include "scene/work.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using kernel::Formula;
+using scene::JointRanges;
+using symbolic::Program;
+using Kind = EnvelopeQuantity::Kind;
+
+/// For the scene's accelerations, joint by joint, and for a question whether an error is allowed.
+/// Measured: puma_560's are bounded by 2000 boxes to 1.6 to 3.2 times what is seen, in 0.8 s each.
+constexpr int kBoxes = 2000;
+
+/// Shares of the time in percent, by which its end is told. Measured: puma_560 with 5 %.
+constexpr double kLargest = 25, kOrder = 5, kScenes = 40, kErrors = 30;
+
+class AccelerationReducer {
+ public:
+  AccelerationReducer(const scene::Scene& scene, const std::vector<JointRanges>& ranges,
+                      const ReduceOptions& options,
+                      const std::function<void(const std::string&)>& stage)
+      : scene_(scene), ranges_(ranges), options_(options), stage_(stage) {
+    requireTreated(scene, Command::kReduce);
+    if (options.armstrong > 0)
+      throw scene::InputError({},
+                              "--armstrong with --of qdd: his rule is about terms of tau, "
+                              "allowed: --of tau");
+    boundAccelerations();
+    stage("the scene's own program");
+    full_program_ = kernel::smallestRoad(scene.mechanism, Formula::kForwardDynamics).program;
+    full_ = trigonometricModel(scene);
+  }
+
+  Reduction run() {
+    Reduction out;
+    out.of = ReducedQuantity::kQdd;
+    out.full = full_program_;
+    stage_("which parameters are missed least");
+    const ReductionSamples samples(scene_.mechanism, ranges_, ReducedQuantity::kQdd);
+    {
+      const scene::Work work("order", 1, kOrder);
+      bases_ = parameterSequence(scene_, samples, largest_, options_.allowed.back());
+    }
+    findScenes();
+    scene::Work work("errors", static_cast<double>(found_.size()), kErrors);
+    for (std::size_t t = 0; t < found_.size(); ++t, work.done()) {
+      stage_(fmt::format("error at {:.3g} %", 100 * options_.allowed[t]));
+      out.models.push_back(t > 0 && found_[t].base == found_[t - 1].base
+                               ? out.models.back()
+                               : finished(found_[t], samples));
+      out.models.back().allowed = options_.allowed[t];
+    }
+    out.scenes = out.models;
+    return out;
+  }
+
+ private:
+  struct Found {
+    std::size_t base = 0;  ///< 0: the scene itself
+    Program program;
+    std::vector<double> bounds;  ///< of errors, by joint
+  };
+
+  void boundAccelerations() {
+    EnvelopeOptions options;
+    options.boxes = std::min(options_.boxes, kBoxes);
+    options.quantities = {"qdd"};
+    const scene::Work work("accelerations", 1, kLargest);
+    within_ = ranges_;
+    for (const EnvelopeBound& qdd : envelopeBounds(scene_, ranges_, options, stage_)) {
+      if (!std::isfinite(qdd.certified))
+        throw scene::InputError(
+            {scene_.file.string()},
+            fmt::format("reduce --of qdd: no bound of {} was found in {} boxes, "
+                        "allowed: an [envelope] with smaller ranges of q",
+                        qdd.quantity.name(), options.boxes));
+      const auto i = static_cast<std::size_t>(qdd.quantity.i);
+      within_[i].qdd = {-qdd.certified, qdd.certified};
+      largest_.push_back(qdd.sampled);
+      for (const double allowed : options_.allowed)
+        if (allowed > 0 && allowed * qdd.sampled <= 2 * qdd.lost)
+          throw scene::InputError(
+              {scene_.file.string()},
+              fmt::format("reduce: an error of {:.3g} of {}: roundings alone may make {:.2g} of "
+                          "it, allowed: twice that or more, or 0",
+                          allowed, qdd.quantity.name(), qdd.lost / qdd.sampled));
+    }
+  }
+
+  /// The last scene of the sequence that is near enough, by what is allowed.
+  void findScenes() {
+    found_.assign(options_.allowed.size(), {0, full_program_, {}});
+    scene::Work work("scenes", static_cast<double>(bases_.size()), kScenes);
+    std::vector<bool> has(found_.size(), false);
+    for (std::size_t b = bases_.size() - 1; b > 0; --b, work.done()) {
+      const auto isWorth = [&](std::size_t t) {
+        return !has[t] && bases_[b].sampled <= options_.allowed[t];
+      };
+      std::vector<std::size_t> asked;
+      for (std::size_t t = 0; t < has.size(); ++t)
+        if (isWorth(t)) asked.push_back(t);
+      if (asked.empty()) continue;
+      const std::optional<Program> program = programOf(b);
+      if (!program) continue;
+      stage_(fmt::format("{} parameters dropped", bases_[b].dropped.size()));
+      const TrigonometricModel reduced = trigonometricModel(bases_[b].scene);
+      const TrigonometricModel off = difference(full_, reduced);
+      for (auto t = asked.rbegin(); t != asked.rend(); ++t) {  // the most that is allowed first
+        const std::vector<double> bounds = boundsWithin(reduced, off, options_.allowed[*t]);
+        if (bounds.empty()) break;
+        has[*t] = true;
+        found_[*t] = {b, *program, bounds};
+      }
+    }
+  }
+
+  /// None: it is longer than the scene's, or there is none.
+  std::optional<Program> programOf(std::size_t b) const {
+    try {
+      Program program =
+          kernel::smallestRoad(bases_[b].scene.mechanism, Formula::kForwardDynamics).program;
+      if (program.bodyOperations().all() < full_program_.bodyOperations().all()) return program;
+    } catch (const kernel::NotUsed&) {
+    } catch (const std::domain_error&) {  // M is singular everywhere
+    }
+    return std::nullopt;
+  }
+
+  EnvelopeBound errorOf(const TrigonometricModel& reduced, const TrigonometricModel& off,
+                        std::size_t i, int boxes, double decide) const {
+    EnvelopeOptions options;
+    options.boxes = boxes;
+    return boundedAccelerationError(reduced, off, within_, {Kind::kQdd, static_cast<int>(i), 0})
+        ->over(within_, options, decide);
+  }
+
+  /// By joint, none of them above what is allowed; none: that is not known.
+  std::vector<double> boundsWithin(const TrigonometricModel& reduced, const TrigonometricModel& off,
+                                   double allowed) const {
+    std::vector<double> bounds;
+    for (std::size_t i = 0; i < largest_.size(); ++i) {
+      const double limit = allowed * largest_[i];
+      bounds.push_back(errorOf(reduced, off, i, kBoxes, limit).certified);
+      if (!(bounds.back() <= limit)) return {};
+    }
+    return bounds;
+  }
+
+  ReducedModel finished(const Found& found, const ReductionSamples& samples) const {
+    const ReducedBase& base = bases_[found.base];
+    ReducedModel out;
+    out.scene = base.scene;
+    out.parameters = base.dropped;
+    out.program = found.program;
+    if (found.base == 0) {
+      for (const double largest : largest_) out.forces.push_back({largest, 0, 0, {}});
+      return out;
+    }
+    const TrigonometricModel reduced = trigonometricModel(base.scene);
+    const TrigonometricModel off = difference(full_, reduced);
+    const std::vector<ReductionSamples::Worst> sampled = samples.worst(base.scene.mechanism);
+    for (std::size_t i = 0; i < largest_.size(); ++i) {
+      const EnvelopeBound error = errorOf(reduced, off, i, std::min(options_.boxes, kBoxes), -1);
+      ReducedForce force{largest_[i], std::min(error.certified, found.bounds[i]), 0, {}};
+      for (const EnvelopeState& state : {drivenTo(error.worst), sampled[i].state})
+        see(base.scene, i, state, &force);
+      out.forces.push_back(force);
+    }
+    return out;
+  }
+
+  /// A state of the envelope near one that has accelerations: with the forces that these take, as
+  /// far as the envelope has them.
+  EnvelopeState drivenTo(EnvelopeState state) const {
+    if (state.q.empty()) return state;
+    for (std::size_t k = 0; k < ranges_.size(); ++k) {
+      const double tau = sweptQuantity(scene_, {Kind::kTau, static_cast<int>(k), 0}, state).value();
+      state.tau.push_back(std::clamp(tau, ranges_[k].tau->low, ranges_[k].tau->high));
+    }
+    state.qdd.clear();
+    return state;
+  }
+
+  /// Sweep against sweep.
+  void see(const scene::Scene& reduced, std::size_t i, const EnvelopeState& state,
+           ReducedForce* force) const {
+    if (state.q.empty()) return;
+    const EnvelopeQuantity qdd{Kind::kQdd, static_cast<int>(i), 0};
+    const RunningError off = sweptQuantity(scene_, qdd, state) - sweptQuantity(reduced, qdd, state);
+    const double seen = std::abs(off.value()) - off.bound();
+    if (!(seen > force->at_least)) return;
+    force->at_least = seen;
+    force->worst = state;
+  }
+
+  const scene::Scene& scene_;
+  const std::vector<JointRanges>& ranges_;
+  const ReduceOptions& options_;
+  const std::function<void(const std::string&)>& stage_;
+  std::vector<JointRanges> within_;  ///< with the scene's accelerations
+  std::vector<double> largest_;
+  Program full_program_;
+  TrigonometricModel full_;
+  std::vector<ReducedBase> bases_;  ///< the scene as it is first
+  std::vector<Found> found_;
+};
+
+}  // namespace
+
+const char* name(ReducedQuantity quantity) {
+  return quantity == ReducedQuantity::kTau ? "tau" : "qdd";
+}
+
+Reduction reducedInAcceleration(const scene::Scene& scene, const std::vector<JointRanges>& ranges,
+                                const ReduceOptions& options,
+                                const std::function<void(const std::string&)>& stage) {
+  const scene::Work work("reduction", kLargest + kOrder + kScenes + kErrors);
+  return AccelerationReducer(scene, ranges, options, stage).run();
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Smaller models whose joint accelerations stay near the scene's over an envelope, guaranteed.
+#pragma once
+
+#include "crosscheck/reduction/reduce.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** reduced() for |qdd_i - reduced qdd_i| <= allowed x max |qdd_i|, for every joint i and all q, qd
+    and tau of the envelope: scenes without terms, of which the one with the fewest parameters is
+    taken that is within what is allowed and takes fewer operations of forward dynamics.
+
+    The scene's accelerations are bounded first (boundedAcceleration()), then those errors that its
+    forces would miss at these, through the reduced model's M^-1 (boundedAccelerationError()). So
+    the bound is one of all states of the envelope, and more: accelerations are taken to be
+    independent of q and qd within their bounds. */
+Reduction reducedInAcceleration(const scene::Scene& scene,
+                                const std::vector<scene::JointRanges>& ranges,
+                                const ReduceOptions& options,
+                                const std::function<void(const std::string&)>& stage);
+
+/// The scene's M and gravity less the reduced one's: all else of tau is common to both.
+TrigonometricModel difference(const TrigonometricModel& scene, const TrigonometricModel& reduced);
+
+}  // namespace dynwitness::crosscheck
