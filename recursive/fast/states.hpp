@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many states side by side: a scalar of which each state has its own, in one vector register.
+#pragma once
+
+#include <cmath>
+
+#include "recursive/fast/plan.hpp"
+#include "recursive/fast/sine_cosine.hpp"
+
+// Vectors are handed to functions that are inlined, or compiled for the same processor.
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
+namespace dynwitness::recursive::fast {
+
+namespace detail {
+/// N doubles in a register. Their alignment is said: g++ else takes it from the processor that a
+/// function is compiled for, and an object's from another.
+template <int N>
+struct Register;
+template <>
+struct Register<2> {
+  typedef double Vector __attribute__((vector_size(16), aligned(16)));
+};
+template <>
+struct Register<4> {
+  typedef double Vector __attribute__((vector_size(32), aligned(32)));
+};
+template <>
+struct Register<8> {
+  typedef double Vector __attribute__((vector_size(64), aligned(64)));
+};
+}  // namespace detail
+
+/// A number of each of N states. What is done to it is done to each, with the same roundings.
+template <int N>
+struct States {
+  using Vector = typename detail::Register<N>::Vector;
+  Vector v;
+
+  States() = default;
+  /// The same number in each (x - 0 is x, the sign of a zero included).
+  DYNWITNESS_INLINE States(double x) : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor)
+  DYNWITNESS_INLINE explicit States(const Vector& of) : v(of) {}
+
+  DYNWITNESS_INLINE States operator-() const { return States(-v); }
+  friend DYNWITNESS_INLINE States operator+(const States& a, const States& b) {
+    return States(a.v + b.v);
+  }
+  friend DYNWITNESS_INLINE States operator-(const States& a, const States& b) {
+    return States(a.v - b.v);
+  }
+  friend DYNWITNESS_INLINE States operator*(const States& a, const States& b) {
+    return States(a.v * b.v);
+  }
+  friend DYNWITNESS_INLINE States operator/(const States& a, const States& b) {
+    return States(a.v / b.v);
+  }
+  DYNWITNESS_INLINE States& operator+=(const States& b) {
+    v += b.v;
+    return *this;
+  }
+};
+
+/// As of a single state: friction(qd) = viscous qd + positive where qd > 0, - negative where qd < 0.
+template <int N>
+DYNWITNESS_INLINE States<N> frictionForce(const Link<double>& link, const States<N>& rate) {
+  using S = States<N>;
+  const auto forward = rate.v > S(0).v, backward = rate.v < S(0).v;
+  S force = link.viscous * rate;
+  force.v = forward ? (force + link.positive).v : force.v;
+  force.v = backward ? (force - link.negative).v : force.v;
+  return force;
+}
+
+namespace detail {
+inline void sineCosine(const States<2>& angle, States<2>& sine, States<2>& cosine) {
+  if (two::all(two::small(angle.v)))
+    two::sineCosine(angle.v, &sine.v, &cosine.v);
+  else
+    two::libraryOf(&angle.v, &sine.v, &cosine.v, 1);
+}
+#ifdef __x86_64__
+DYNWITNESS_FOR_AVX2 inline void sineCosine(const States<4>& angle, States<4>& sine,
+                                           States<4>& cosine) {
+  if (four::all(four::small(angle.v)))
+    four::sineCosine(angle.v, &sine.v, &cosine.v);
+  else
+    four::libraryOf(&angle.v, &sine.v, &cosine.v, 1);
+}
+DYNWITNESS_FOR_AVX512 inline void sineCosine(const States<8>& angle, States<8>& sine,
+                                             States<8>& cosine) {
+  if (eight::all(eight::small(angle.v)))
+    eight::sineCosine(angle.v, &sine.v, &cosine.v);
+  else
+    eight::libraryOf(&angle.v, &sine.v, &cosine.v, 1);
+}
+#endif
+
+/// Nine numbers that are read by row and column.
+template <typename T>
+struct NineNumbers {
+  T entry[3][3];
+  DYNWITNESS_INLINE const T& operator()(int i, int j) const { return entry[i][j]; }
+};
+
+/// Whether a quaternion's square is a normal number in each state: no power of two is needed then.
+template <int N>
+DYNWITNESS_INLINE bool areNormal(const States<N>& square) {
+  bool all = true;
+  for (int lane = 0; lane < N; ++lane) all = all && std::isnormal(square.v[lane]);
+  return all;
+}
+
+template <int N>
+DYNWITNESS_INLINE NineNumbers<States<N>> rotationByLanes(const JointPosition<States<N>>* x) {
+  NineNumbers<States<N>> R;
+  for (int lane = 0; lane < N; ++lane) {
+    JointPosition<double> one[4];
+    for (int k = 0; k < 4; ++k) one[k] = {x[k].q.v[lane], 0, 0};
+    const Matrix3<double> of_one = recursive::rotation(one);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) R.entry[i][j].v[lane] = of_one(i, j);
+  }
+  return R;
+}
+}  // namespace detail
+
+/// As recursive::rotation() of each state.
+template <int N>
+DYNWITNESS_INLINE detail::NineNumbers<States<N>> rotation(const JointPosition<States<N>>* at) {
+  using S = States<N>;
+  const S w = at[0].q, x = at[1].q, y = at[2].q, z = at[3].q;
+  const S ww = w * w, xx = x * x, yy = y * y, zz = z * z;
+  if (!detail::areNormal<N>(S(0) + ww + xx + yy + zz)) return detail::rotationByLanes<N>(at);
+  const S scale = S(2) / (ww + ((xx + yy) + zz)), one(1), zero(0);
+  return {{{one + (-zz - yy) * scale, zero + (x * y - z * w) * scale, zero + (x * z + y * w) * scale},
+           {zero + (x * y + z * w) * scale, one + (-zz - xx) * scale, zero + (y * z - x * w) * scale},
+           {zero + (x * z - y * w) * scale, zero + (y * z + x * w) * scale,
+            one + (-yy - xx) * scale}}};
+}
+
+}  // namespace dynwitness::recursive::fast
