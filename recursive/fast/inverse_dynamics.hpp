@@ -55,8 +55,8 @@ void subtractWorldLoads(const Plan<P>& plan, const JointPosition<T>* x, OtherJoi
     const Vec<T> force = times(axes[load.link + 1], in<T>(load.force));
     Record& record = records[load.link + 1];
     record.f = record.f - force;
-    record.n = record.n - times(axes[load.link + 1], in<T>(load.moment)) -
-               cross<T>(in<T>(load.at), force);
+    record.n =
+        record.n - times(axes[load.link + 1], in<T>(load.moment)) - cross<T>(in<T>(load.at), force);
   }
 }
 

@@ -36,14 +36,13 @@ struct ManyStatesWorkspace {
         rates(static_cast<std::size_t>(plan.dof)),
         given(rates),
         out(rates),
-        M(rates.size() * rates.size()),
         id(plan),
         m(plan),
         fd(plan) {}
 
   std::vector<JointPosition<S>> x;
   std::vector<S> rates, given, out;  ///< qd; qdd or tau; the answer
-  std::vector<S> M;                  ///< n n numbers
+  std::vector<S> M;                  ///< n n numbers, once it was asked for
   InverseDynamicsWorkspace<S> id;
   MassMatrixWorkspace<S> m;
   ForwardDynamicsWorkspace<S> fd;
@@ -54,8 +53,8 @@ template <int N>
 DYNWITNESS_INLINE States<N> gather(const Strided<const double>& from, std::size_t first, int count,
                                    int number) {
   States<N> out;
-  const double* at = from.at + static_cast<std::ptrdiff_t>(first) * from.state +
-                     number * from.number;
+  const double* at =
+      from.at + static_cast<std::ptrdiff_t>(first) * from.state + number * from.number;
   for (int lane = 0; lane < N; ++lane) {
     out.v[lane] = *at;
     if (lane + 1 < count) at += from.state;
@@ -130,23 +129,24 @@ DYNWITNESS_FOR_AVX512 __attribute__((flatten)) void sweep(const Plan<double>& pl
 }
 #endif
 
-/// How many states stand side by side on this processor.
-inline int widest() {
+}  // namespace detail
+
+/// How many doubles the widest vectors of this processor hold.
+inline int widestVectors() {
   return kHasAvx512 ? 8 : kHasAvx2 ? 4 : 2;
 }
-
-}  // namespace detail
 
 /** A mechanism that is decided when the program runs, made ready once, then asked at many states
     at once: each gets the same bits as from Dynamics, one by one.
 
     Arrays are read and written where they stand (Strided), which may be NumPy's: q has
     model.positions numbers a state, qd, qdd, tau model.dof() each, M the square of that. They may
-    not overlap. No call allocates. One object serves one thread. */
+    not overlap. No call allocates, but that the first massMatrix() takes room for M of `width()`
+    states. One object serves one thread. */
 class ManyStates {
  public:
   /// @param width  states side by side: 2, 4 or 8, as wide as the processor has them or narrower
-  explicit ManyStates(const Model<double>& model, int width = detail::widest())
+  explicit ManyStates(const Model<double>& model, int width = widestVectors())
       : plan_(model), workspace_(madeFor(width)) {}
 
   int width() const {
@@ -159,6 +159,8 @@ class ManyStates {
     sweep<detail::Sweep::kInverseDynamics>({states, q, qd, qdd, tau});
   }
   void massMatrix(std::size_t states, Strided<const double> q, Strided<double> M) {
+    const auto n = static_cast<std::size_t>(plan_.dof);
+    std::visit([n](auto& ws) { ws.M.resize(n * n); }, workspace_);
     sweep<detail::Sweep::kMassMatrix>({states, q, {}, {}, M});
   }
   /// qdd of M qdd + c + g = tau + Q
@@ -180,9 +182,10 @@ class ManyStates {
     if (width == 4 && kHasAvx2) return Workspace(std::in_place_index<1>, plan_);
     if (width == 8 && kHasAvx512) return Workspace(std::in_place_index<2>, plan_);
 #endif
-    throw std::invalid_argument("ManyStates: width " + std::to_string(width) +
-                                " was asked; allowed: 2, 4 with AVX2, 8 with AVX-512 (here at most " +
-                                std::to_string(detail::widest()) + ")");
+    throw std::invalid_argument(
+        "ManyStates: width " + std::to_string(width) +
+        " was asked; allowed: 2, 4 with AVX2, 8 with AVX-512 (here at most " +
+        std::to_string(widestVectors()) + ")");
   }
   template <detail::Sweep kSweep>
   void sweep(const detail::Asked& asked) {

@@ -544,8 +544,7 @@ void forEachSpecial(const Plan<T>& plan, const F& f) {
   for (int i = 0; i < static_cast<int>(plan.links.size()); ++i) {
     const Link<T>& link = plan.links[i];
     if (link.is_special)
-      withStep(link.step,
-               [&](auto step) DYNWITNESS_INLINE_LAMBDA { f(link, i + 1, step); });
+      withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA { f(link, i + 1, step); });
   }
 }
 
