@@ -42,28 +42,6 @@ enum { LANES = 4 };
 #pragma GCC pop_options
 #endif
 
-// eight, where that many states stand side by side
-#ifdef __clang__
-#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), \
-                             apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512dq,avx512vl")
-#pragma GCC optimize("fp-contract=off")
-#endif
-namespace eight {
-typedef double V __attribute__((vector_size(64)));
-typedef long long I __attribute__((vector_size(64)));
-enum { LANES = 8 };
-// NOLINTNEXTLINE(readability-duplicate-include): once for each width of vectors
-#include "recursive/fast/sine_cosine.inc"
-}  // namespace eight
-#ifdef __clang__
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
-
 #endif
 
 }  // namespace detail

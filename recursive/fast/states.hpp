@@ -84,6 +84,30 @@ DYNWITNESS_INLINE States<N> frictionForce(const Link<double>& link, const States
 }
 
 namespace detail {
+#ifdef __x86_64__
+// eight sines and cosines; two and four are sine_cosine.hpp's
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), \
+                             apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx512vl")
+#pragma GCC optimize("fp-contract=off")
+#endif
+namespace eight {
+typedef double V __attribute__((vector_size(64)));
+typedef long long I __attribute__((vector_size(64)));
+enum { LANES = 8 };
+// NOLINTNEXTLINE(readability-duplicate-include): once for each width of vectors
+#include "recursive/fast/sine_cosine.inc"
+}  // namespace eight
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+
 inline void sineCosine(const States<2>& angle, States<2>& sine, States<2>& cosine) {
   if (two::all(two::small(angle.v)))
     two::sineCosine(angle.v, &sine.v, &cosine.v);
