@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fast sweeps at many states are the fast sweeps: the same bits as one state at a time, whatever
 // the width of the vectors, the layout of the arrays and the number of states. That those are right
-// is tests/crosscheck/witnesses/test_fast_sweeps.cpp.
+// is held by tests of the witness `fast`.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
