@@ -8,11 +8,6 @@
 #include "recursive/fast/plan.hpp"
 #include "recursive/fast/sine_cosine.hpp"
 
-// Vectors are handed to functions that are inlined, or compiled for the same processor.
-#ifndef __clang__
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
-
 namespace dynwitness::recursive::fast {
 
 namespace detail {
@@ -98,8 +93,10 @@ namespace eight {
 typedef double V __attribute__((vector_size(64)));
 typedef long long I __attribute__((vector_size(64)));
 enum { LANES = 8 };
-// NOLINTNEXTLINE(readability-duplicate-include): once for each width of vectors
+// NOLINTBEGIN(readability-duplicate-include): once for each width of vectors
 #include "recursive/fast/sine_cosine.inc"
+#include "recursive/fast/sine_cosine_positions.inc"
+// NOLINTEND(readability-duplicate-include)
 }  // namespace eight
 #ifdef __clang__
 #pragma clang attribute pop
@@ -109,25 +106,16 @@ enum { LANES = 8 };
 #endif
 
 inline void sineCosine(const States<2>& angle, States<2>& sine, States<2>& cosine) {
-  if (two::all(two::small(angle.v)))
-    two::sineCosine(angle.v, &sine.v, &cosine.v);
-  else
-    two::libraryOf(&angle.v, &sine.v, &cosine.v, 1);
+  two::ofAny(angle.v, &sine.v, &cosine.v);
 }
 #ifdef __x86_64__
 DYNWITNESS_FOR_AVX2 inline void sineCosine(const States<4>& angle, States<4>& sine,
                                            States<4>& cosine) {
-  if (four::all(four::small(angle.v)))
-    four::sineCosine(angle.v, &sine.v, &cosine.v);
-  else
-    four::libraryOf(&angle.v, &sine.v, &cosine.v, 1);
+  four::ofAny(angle.v, &sine.v, &cosine.v);
 }
 DYNWITNESS_FOR_AVX512 inline void sineCosine(const States<8>& angle, States<8>& sine,
                                              States<8>& cosine) {
-  if (eight::all(eight::small(angle.v)))
-    eight::sineCosine(angle.v, &sine.v, &cosine.v);
-  else
-    eight::libraryOf(&angle.v, &sine.v, &cosine.v, 1);
+  eight::ofAny(angle.v, &sine.v, &cosine.v);
 }
 #endif
 
@@ -146,9 +134,11 @@ DYNWITNESS_INLINE bool areNormal(const States<N>& square) {
   return all;
 }
 
+/// Rotations by recursive::rotation(), lane by lane. Not inlined, so that it is compiled for the
+/// processor that the rest of the program is for, and gives the same bits.
 template <int N>
-DYNWITNESS_INLINE NineNumbers<States<N>> rotationByLanes(const JointPosition<States<N>>* x) {
-  NineNumbers<States<N>> R;
+__attribute__((noinline)) void rotationsByLanes(const JointPosition<States<N>>* x,
+                                                NineNumbers<States<N>>& R) {
   for (int lane = 0; lane < N; ++lane) {
     JointPosition<double> one[4];
     for (int k = 0; k < 4; ++k) one[k] = {x[k].q.v[lane], 0, 0};
@@ -156,7 +146,6 @@ DYNWITNESS_INLINE NineNumbers<States<N>> rotationByLanes(const JointPosition<Sta
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) R.entry[i][j].v[lane] = of_one(i, j);
   }
-  return R;
 }
 }  // namespace detail
 
@@ -166,7 +155,11 @@ DYNWITNESS_INLINE detail::NineNumbers<States<N>> rotation(const JointPosition<St
   using S = States<N>;
   const S w = at[0].q, x = at[1].q, y = at[2].q, z = at[3].q;
   const S ww = w * w, xx = x * x, yy = y * y, zz = z * z;
-  if (!detail::areNormal<N>(S(0) + ww + xx + yy + zz)) return detail::rotationByLanes<N>(at);
+  if (!detail::areNormal<N>(S(0) + ww + xx + yy + zz)) {
+    detail::NineNumbers<S> R;
+    detail::rotationsByLanes<N>(at, R);
+    return R;
+  }
   const S scale = S(2) / (ww + ((xx + yy) + zz)), one(1), zero(0);
   return {
       {{one + (-zz - yy) * scale, zero + (x * y - z * w) * scale, zero + (x * z + y * w) * scale},

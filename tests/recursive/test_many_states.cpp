@@ -25,6 +25,14 @@ using fast::Strided;
 
 namespace {
 
+Model<double> modelOf(const std::string& file) {
+  const scene::Scene scene = scene::readScene(file);
+  return buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+}
+Model<double> bundled(const std::string& name) {
+  return modelOf(std::string(DYNWITNESS_DATA_DIR) + "/scenes/" + name + ".toml");
+}
+
 std::vector<int> widths() {
   std::vector<int> all;
   for (const int width : {2, 4, 8})
@@ -119,8 +127,7 @@ BOOST_AUTO_TEST_CASE(every_scene_gets_the_bits_of_one_state_at_a_time) {
 }
 
 BOOST_AUTO_TEST_CASE(any_number_of_states_and_any_layout_are_answered_and_nothing_else_is_written) {
-  const scene::Scene scene = scene::readScene("satellite_arm");
-  const auto model = buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+  const auto model = bundled("satellite_arm");
   for (const int width : widths()) {
     ManyStates many(model, width);
     for (const int count : {0, 1, 2, 3, 7, 8, 9, 16, 21}) {
@@ -145,8 +152,7 @@ BOOST_AUTO_TEST_CASE(states_do_not_hear_of_each_other) {
   // an angle that the library reduces, one that is no number, signed zeros, a rate at rest of a joint
   // with friction, a quaternion whose square underflows: each beside ordinary states
   for (const char* name : {"satellite_arm", "puma_560_friction"}) {
-    const scene::Scene scene = scene::readScene(name);
-    const auto model = buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+    const auto model = bundled(name);
     Asked all(model, 24);
     const int last = all.nq - 1;
     all.q[static_cast<std::size_t>(3 * all.nq + last)] = 1e5;
@@ -168,8 +174,7 @@ BOOST_AUTO_TEST_CASE(states_do_not_hear_of_each_other) {
 }
 
 BOOST_AUTO_TEST_CASE(a_width_that_the_processor_lacks_is_refused) {
-  const scene::Scene scene = scene::readScene("double_pendulum");
-  const auto model = buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+  const auto model = bundled("double_pendulum");
   for (const int width : {-1, 0, 1, 3, 16})
     BOOST_CHECK_EXCEPTION(ManyStates(model, width), std::invalid_argument, [&](const auto& e) {
       return files::contains(e.what(), "width " + std::to_string(width) + " was asked");
