@@ -17,6 +17,9 @@
 namespace dynwitness::python {
 namespace {
 
+/// From so many states on a batch is swept in the processor's lanes, for which a scene is made ready
+/// anew: as long as some ten states of it take.
+constexpr long kStatesForLanes = 16;
 /// From so many states on a batch is given to the kernel, whose compilation takes a second or so
 /// where it is not kept on disk yet: as long as some 10^5 states take by the sweeps.
 constexpr long kStatesForKernel = 4096;
@@ -46,10 +49,23 @@ class PyScene {
     for (long k = 0; k < states.count(); ++k) call(k, room);
   }
 
+  /// The same of what is swept in lanes where there are enough: `call` of each state, or `many` once.
+  template <typename Call, typename Many>
+  void forEach(const States& states, const Call& call, const Many& many) {
+    if (!states.isBatch() || states.count() < kStatesForLanes) return forEach(states, call);
+    const py::gil_scoped_release others_may_run;
+    many();
+  }
+
  private:
   Quantities quantities_;
   Quantities::Room room_;
 };
+
+/// All states' rows of an argument: of one state beside a batch, the same for each.
+Quantities::Rows rowsOf(const Argument& argument, int width) {
+  return {argument.at(0), argument.isBatch() ? width : 0};
+}
 
 using O = py::object;
 
@@ -58,9 +74,12 @@ Array massMatrix(PyScene& s, const O& q) {
   const States states({&a});
   Array out = states.answers({s.n(), s.n()});
   double* to = out.mutable_data();
-  s.forEach(states, [&](long k, Quantities::Room& room) {
-    s.quantities().massMatrix(a.at(k), to + k * s.n() * s.n(), room);
-  });
+  s.forEach(
+      states,
+      [&](long k, Quantities::Room& room) {
+        s.quantities().massMatrix(a.at(k), to + k * s.n() * s.n(), room);
+      },
+      [&] { s.quantities().massMatrices(rowsOf(a, s.nq()), to, states.count()); });
   return out;
 }
 
@@ -111,9 +130,15 @@ Array inverseDynamics(PyScene& s, const O& q, const O& qd, const O& qdd,
     s.quantities().inverseDynamicsInLanes(a.at(0), b.at(0), c.at(0), to, states.count());
     return out;
   }
-  s.forEach(states, [&](long k, Quantities::Room& room) {
-    s.quantities().inverseDynamics(a.at(k), b.at(k), c.at(k), to + k * s.n(), room);
-  });
+  s.forEach(
+      states,
+      [&](long k, Quantities::Room& room) {
+        s.quantities().inverseDynamics(a.at(k), b.at(k), c.at(k), to + k * s.n(), room);
+      },
+      [&] {
+        s.quantities().inverseDynamicsOfMany(rowsOf(a, s.nq()), rowsOf(b, s.n()), rowsOf(c, s.n()),
+                                             to, states.count());
+      });
   return out;
 }
 
@@ -129,9 +154,15 @@ Array forwardDynamics(PyScene& s, const O& q, const O& qd, const O& tau,
     s.quantities().forwardDynamicsInLanes(a.at(0), b.at(0), c.at(0), to, states.count());
     return out;
   }
-  s.forEach(states, [&](long k, Quantities::Room& room) {
-    s.quantities().forwardDynamics(a.at(k), b.at(k), c.at(k), to + k * s.n(), room);
-  });
+  s.forEach(
+      states,
+      [&](long k, Quantities::Room& room) {
+        s.quantities().forwardDynamics(a.at(k), b.at(k), c.at(k), to + k * s.n(), room);
+      },
+      [&] {
+        s.quantities().forwardDynamicsOfMany(rowsOf(a, s.nq()), rowsOf(b, s.n()), rowsOf(c, s.n()),
+                                             to, states.count());
+      });
   return out;
 }
 

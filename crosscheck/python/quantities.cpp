@@ -10,6 +10,7 @@
 
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
+#include "crosscheck/scalars/many_states.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/derivatives.hpp"
 #include "recursive/energy.hpp"
@@ -186,7 +187,7 @@ void Quantities::reactions(const double* q, const double* qd, const double* qdd,
 }
 
 namespace {
-using Rows = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+using RowMajor = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 }  // namespace
 
 void Quantities::regressor(const double* q, const double* qd, const double* qdd, double* Y,
@@ -195,7 +196,7 @@ void Quantities::regressor(const double* q, const double* qd, const double* qdd,
   recursive::MatrixX<double> columns(dof(), parameters());
   recursive::regressor(parts_->model, parts_->inertial, r.at(q, positions()), r.copied(qd, r.qd),
                        r.copied(qdd, r.qdd), r.ws, columns);
-  Rows(Y, dof(), parameters()) = columns;
+  RowMajor(Y, dof(), parameters()) = columns;
 }
 
 void Quantities::inverseDerivatives(const double* q, const double* qd, const double* qdd,
@@ -203,8 +204,8 @@ void Quantities::inverseDerivatives(const double* q, const double* qd, const dou
   Room::Parts& r = *room.parts_;
   recursive::inverseDynamicsDerivatives(parts_->model, r.at(q, positions()), r.copied(qd, r.qd),
                                         r.copied(qdd, r.qdd), r.derivatives, r.of_tau);
-  Rows(by_q, dof(), dof()) = r.of_tau.dtau_dq;
-  Rows(by_qd, dof(), dof()) = r.of_tau.dtau_dqd;
+  RowMajor(by_q, dof(), dof()) = r.of_tau.dtau_dq;
+  RowMajor(by_qd, dof(), dof()) = r.of_tau.dtau_dqd;
 }
 
 void Quantities::forwardDerivatives(const double* q, const double* qd, const double* tau,
@@ -213,9 +214,9 @@ void Quantities::forwardDerivatives(const double* q, const double* qd, const dou
   r.fast.forwardDynamics(q, qd, tau, r.qdd.data());
   recursive::forwardDynamicsDerivatives(parts_->model, r.at(q, positions()), r.copied(qd, r.qd),
                                         r.qdd, r.derivatives, r.of_tau, r.of_qdd);
-  Rows(by_q, dof(), dof()) = r.of_qdd.dqdd_dq;
-  Rows(by_qd, dof(), dof()) = r.of_qdd.dqdd_dqd;
-  Rows(by_tau, dof(), dof()) = r.of_qdd.dqdd_dtau;
+  RowMajor(by_q, dof(), dof()) = r.of_qdd.dqdd_dq;
+  RowMajor(by_qd, dof(), dof()) = r.of_qdd.dqdd_dqd;
+  RowMajor(by_tau, dof(), dof()) = r.of_qdd.dqdd_dtau;
 }
 
 void Quantities::point(std::size_t link, const std::array<double, 3>& at, const double* q,
@@ -224,13 +225,38 @@ void Quantities::point(std::size_t link, const std::array<double, 3>& at, const 
   const recursive::PointMotion<double> motion =
       recursive::pointMotion(parts_->model, r.at(q, positions()), r.copied(qd, r.qd), r.zeros, link,
                              recursive::Vector3<double>(at[0], at[1], at[2]), r.ws);
-  Rows(out.position, 1, 3) = motion.position.transpose();
-  Rows(out.rotation, 3, 3) = motion.R;
-  Rows(out.jacobian, 6, dof()) = motion.J;
-  Rows(out.jacobian_rate, 6, dof()) = motion.J_rate;
+  RowMajor(out.position, 1, 3) = motion.position.transpose();
+  RowMajor(out.rotation, 3, 3) = motion.R;
+  RowMajor(out.jacobian, 6, dof()) = motion.J;
+  RowMajor(out.jacobian_rate, 6, dof()) = motion.J_rate;
 }
 
-// ---- in lanes -----------------------------------------------------------------------------------
+// ---- many states --------------------------------------------------------------------------------
+
+namespace {
+recursive::fast::Strided<const double> strided(const Quantities::Rows& rows) {
+  return {rows.from, rows.apart};
+}
+}  // namespace
+
+void Quantities::massMatrices(Rows q, double* M, long count) const {
+  recursive::fast::ManyStates many(parts_->model);
+  many.massMatrix(static_cast<std::size_t>(count), strided(q), {M, dof() * dof()});
+}
+
+void Quantities::inverseDynamicsOfMany(Rows q, Rows qd, Rows qdd, double* tau, long count) const {
+  recursive::fast::ManyStates many(parts_->model);
+  many.inverseDynamics(static_cast<std::size_t>(count), strided(q), strided(qd), strided(qdd),
+                       {tau, dof()});
+}
+
+void Quantities::forwardDynamicsOfMany(Rows q, Rows qd, Rows tau, double* qdd, long count) const {
+  recursive::fast::ManyStates many(parts_->model);
+  many.forwardDynamics(static_cast<std::size_t>(count), strided(q), strided(qd), strided(tau),
+                       {qdd, dof()});
+}
+
+// ---- in the kernel's lanes ----------------------------------------------------------------------
 
 bool Quantities::hasKernel(bool forward) const {
   Parts& p = *parts_;

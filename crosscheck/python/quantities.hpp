@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -64,6 +65,17 @@ class Quantities {
   };
   void point(std::size_t link, const std::array<double, 3>& at, const double* q, const double* qd,
              const OfPoint& out, Room& room) const;
+
+  /// Rows of many states: state k's starts at from[k * apart]; apart 0: the same for all.
+  struct Rows {
+    const double* from;
+    std::ptrdiff_t apart;
+  };
+  /// Many states by the sweeps, in the processor's lanes; answers stand one after the other. Each
+  /// has the bits of one asked alone.
+  void massMatrices(Rows q, double* M, long count) const;
+  void inverseDynamicsOfMany(Rows q, Rows qd, Rows qdd, double* tau, long count) const;
+  void forwardDynamicsOfMany(Rows q, Rows qd, Rows tau, double* qdd, long count) const;
 
   /** The scene's kernel, compiled when it is first asked for and kept on disk.
       @return  whether there is one: a C compiler, and a straight line worth having. All threads

@@ -16,4 +16,20 @@ inline const bool kHasAvx2 = (__builtin_cpu_init(), __builtin_cpu_supports("avx2
 inline constexpr bool kHasAvx2 = false;
 #endif
 
+/** The same with AVX-512, which has such an instruction: the compiler is told to leave it. */
+#if defined(__x86_64__)
+#ifdef __clang__
+#define DYNWITNESS_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl")))
+#else
+#define DYNWITNESS_FOR_AVX512 \
+  __attribute__((target("avx512f,avx512dq,avx512vl"), optimize("fp-contract=off")))
+#endif
+inline const bool kHasAvx512 = (__builtin_cpu_init(), __builtin_cpu_supports("avx512f") &&
+                                                          __builtin_cpu_supports("avx512dq") &&
+                                                          __builtin_cpu_supports("avx512vl"));
+#else
+#define DYNWITNESS_FOR_AVX512
+inline constexpr bool kHasAvx512 = false;
+#endif
+
 }  // namespace dynwitness::recursive::fast

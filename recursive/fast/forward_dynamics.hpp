@@ -19,7 +19,8 @@ struct Articulated {
 /// What the sweep writes on, sized once for a plan.
 template <typename T>
 struct ForwardDynamicsWorkspace {
-  explicit ForwardDynamicsWorkspace(const Plan<T>& plan)
+  template <typename P>
+  explicit ForwardDynamicsWorkspace(const Plan<P>& plan)
       : records(plan.links.size() + 1),
         joints(plan.dof),
         branches(plan.branches),
@@ -98,8 +99,8 @@ DYNWITNESS_INLINE void subtractOuter(const Vec<T>& f, const Vec<T>& n, const T& 
 }
 
 /// M Z_k
-template <typename T>
-void columnOf(const Link<T>& link, int k, const Articulated<T>& M, Vec<T>& f, Vec<T>& n) {
+template <typename T, typename P>
+void columnOf(const Link<P>& link, int k, const Articulated<T>& M, Vec<T>& f, Vec<T>& n) {
   const auto linear = [&](int j) {
     f = j == 0   ? Vec<T>{M.A.xx, M.A.xy, M.A.xz}
         : j == 1 ? Vec<T>{M.A.xy, M.A.yy, M.A.yz}
@@ -129,8 +130,8 @@ void columnOf(const Link<T>& link, int k, const Articulated<T>& M, Vec<T>& f, Ve
   }
 }
 
-template <typename T>
-DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x,
+template <typename T, typename P>
+DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<P>& plan, const JointPosition<T>* x,
                                            const T* qd, const T* tau,
                                            ForwardDynamicsWorkspace<T>& ws, T* qdd) {
   using Record = typename ForwardDynamicsWorkspace<T>::Record;
@@ -139,11 +140,11 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
   Record* const records = ws.records.data();
   records[0].w = records[0].wd = Vec<T>::zero();
   records[0].W = Symmetric3<T>::zero();
-  records[0].a = Vec<T>::zero() - plan.gravity;
+  records[0].a = Vec<T>::zero() - in<T>(plan.gravity);
 
   // outward: velocities, and what they alone need
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     const Record& parent = records[link.parent];
     Record& r = records[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
@@ -168,16 +169,16 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
         r.c_wd = cross(w, w_J);
       }
       const Symmetric3<T> W = squaredCross(w);
-      const Symmetric3<T>& I = link.I;
+      const Symmetric3<P>& I = link.I;
       r.w = w;
       r.W = W;
-      r.f = times(W, link.h);
+      r.f = times(W, in<T>(link.h));
       r.n = {link.D.x * W.yz + I.yz * (W.yy - W.zz) - I.xy * W.xz + I.xz * W.xy,
              link.D.y * W.xz + I.xz * (W.zz - W.xx) - I.yz * W.xy + I.xy * W.yz,
              link.D.z * W.xy + I.xy * (W.xx - W.yy) - I.xz * W.yz + I.yz * W.xz};
       if (link.is_loaded) {
-        r.f = r.f - link.force;
-        r.n = r.n - link.moment;
+        r.f = r.f - in<T>(link.force);
+        r.n = r.n - in<T>(link.moment);
       }
     });
   }
@@ -187,14 +188,14 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
   // inward: what each link feels of its subtree
   Articulated<T> M;  // of the link at hand; between two, what the link before hands inward
   for (int i = n - 1; i >= 0; --i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     const Record& r = records[i + 1];
     {
-      const Vec<T>& h = link.h;
+      const Vec<P>& h = link.h;
       if (link.end == i + 1) {  // a tip
         M.A = Symmetric3<T>::diagonal(link.mass);
         M.B = {T(0), h.z, -h.y, -h.z, T(0), h.x, h.y, -h.x, T(0)};
-        M.C = link.I;
+        M.C = in<T>(link.I);
         M.f = r.f;
         M.n = r.n;
       } else {
@@ -207,7 +208,7 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
         M.B.yz = M.B.yz + h.x;
         M.B.zx = M.B.zx + h.y;
         M.B.zy = M.B.zy - h.x;
-        M.C = M.C + link.I;
+        M.C = M.C + in<T>(link.I);
         M.f = M.f + r.f;
         M.n = M.n + r.n;
       }
@@ -280,7 +281,7 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
         M.f = M.f + times(M.A, r.c_a) + times(M.B, r.c_wd);
         M.n = M.n + transposedTimes(M.B, r.c_a) + times(M.C, r.c_wd);
       }
-      const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
+      const auto way = wayBack<kStep>(link, r.c, r.s, ws.others);
       way.inward(M.A);
       way.inward(M.B);
       way.inward(M.C);
@@ -302,12 +303,12 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
 
   // outward: accelerations
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     const Record& parent = records[link.parent];
     Record& r = records[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
       constexpr Step kStep = decltype(step)::value;
-      const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
+      const auto way = wayBack<kStep>(link, r.c, r.s, ws.others);
       Vec<T> a = parent.a;
       if (link.is_apart) a = a + cross(parent.wd, jointPlace<kStep>(link, x, ws.others)) + r.gamma;
       a = way.outward(a);

@@ -9,7 +9,8 @@ namespace dynwitness::recursive::fast {
 /// What the sweep writes on, sized once for a plan.
 template <typename T>
 struct InverseDynamicsWorkspace {
-  explicit InverseDynamicsWorkspace(const Plan<T>& plan)
+  template <typename P>
+  explicit InverseDynamicsWorkspace(const Plan<P>& plan)
       : motions(plan.links.size() + 1),
         records(plan.links.size() + 1),
         axes(plan.world_loads.empty() ? 0 : plan.links.size() + 1),
@@ -33,14 +34,14 @@ struct InverseDynamicsWorkspace {
 namespace detail {
 
 /// Takes a load in world axes off the forces of link records.
-template <typename T, typename Record>
-void subtractWorldLoads(const Plan<T>& plan, const JointPosition<T>* x, OtherJoints<T>& others,
+template <typename T, typename P, typename Record>
+void subtractWorldLoads(const Plan<P>& plan, const JointPosition<T>* x, OtherJoints<T>& others,
                         std::vector<Mat<T>>& axes, std::vector<Record>& records) {
   if (plan.world_loads.empty()) return;
   axes[0] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
   for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
-    withStep(link.step, [&](auto step) {
+    const Link<P>& link = plan.links[i];
+    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
       constexpr Step kStep = decltype(step)::value;
       const auto way = wayThrough<kStep>(plan, link, x, others);
       const Mat<T>& from = axes[link.parent];
@@ -50,20 +51,21 @@ void subtractWorldLoads(const Plan<T>& plan, const JointPosition<T>* x, OtherJoi
       axes[i + 1] = {e0.x, e1.x, e2.x, e0.y, e1.y, e2.y, e0.z, e1.z, e2.z};
     });
   }
-  for (const PlannedLoad<T>& load : plan.world_loads) {
-    const Vec<T> force = times(axes[load.link + 1], load.force);
+  for (const PlannedLoad<P>& load : plan.world_loads) {
+    const Vec<T> force = times(axes[load.link + 1], in<T>(load.force));
     Record& record = records[load.link + 1];
     record.f = record.f - force;
-    record.n = record.n - times(axes[load.link + 1], load.moment) - cross(load.at, force);
+    record.n =
+        record.n - times(axes[load.link + 1], in<T>(load.moment)) - cross<T>(in<T>(load.at), force);
   }
 }
 
 /// (4): what a gyroscopic rotor feels of the parent.
-template <typename T>
-void addParentsTurn(const Plan<T>& plan, const InverseDynamicsWorkspace<T>& ws, T* tau) {
-  forEachSpecial(plan, [&](const Link<T>& link, int record, auto step) {
+template <typename T, typename P>
+void addParentsTurn(const Plan<P>& plan, const InverseDynamicsWorkspace<T>& ws, T* tau) {
+  forEachSpecial(plan, [&](const Link<P>& link, int record, auto step) DYNWITNESS_INLINE_LAMBDA {
     const auto& r = ws.records[record];
-    const auto way = wayBack<decltype(step)::value>(plan, link, r.c, r.s, ws.others);
+    const auto way = wayBack<decltype(step)::value>(link, r.c, r.s, ws.others);
     tau[link.dof] = tau[link.dof] + link.spin * way.outward(ws.motions[link.parent].wd).z;
   });
 }
@@ -80,18 +82,18 @@ DYNWITNESS_INLINE void fetch(const X& x) {
     __builtin_prefetch(reinterpret_cast<const char*>(&x) + at);
 }
 
-template <typename T>
-DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x,
+template <typename T, typename P>
+DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<P>& plan, const JointPosition<T>* x,
                                            const T* qd, const T* qdd,
                                            InverseDynamicsWorkspace<T>& ws, T* tau) {
   using Motion = typename InverseDynamicsWorkspace<T>::Motion;
   using Record = typename InverseDynamicsWorkspace<T>::Record;
   const int n = static_cast<int>(plan.links.size());
-  const Link<T>* const links = plan.links.data();
+  const Link<P>* const links = plan.links.data();
   Motion* const motions = ws.motions.data();
   Record* const records = ws.records.data();
   motions[0].w = motions[0].wd = Vec<T>::zero();
-  motions[0].a = Vec<T>::zero() - plan.gravity;
+  motions[0].a = Vec<T>::zero() - in<T>(plan.gravity);
   motions[0].U = {T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0)};
 
   // outward: how each link moves, and what it alone needs
@@ -102,7 +104,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       fetch(motions[ahead + 1]);
       fetch(records[ahead + 1]);
     }
-    const Link<T>& link = links[i];
+    const Link<P>& link = links[i];
     const Motion& parent = motions[link.parent];
     Motion& motion = motions[i + 1];
     Record& r = records[i + 1];
@@ -135,8 +137,8 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       const T xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
       const Mat<T> U = {-yy - zz,  xy - wd.z, xz + wd.y, xy + wd.z, -xx - zz,
                         yz - wd.x, xz - wd.y, yz + wd.x, -xx - yy};
-      const Vec<T>& h = link.h;
-      const Symmetric3<T>& I = link.I;
+      const Vec<T>& h = in<T>(link.h);
+      const Symmetric3<P>& I = link.I;
       motion = {w, wd, a, U};
       r.f = times(U, h) + a * link.mass;  // (2)
       // I w' + w x I w, with the products of w taken together
@@ -145,8 +147,8 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
                    I.zz * wd.z + link.D.z * xy + I.xy * (xx - yy) - I.xz * U.yz + I.yz * U.xz} +
             cross(h, a);
       if (link.is_loaded) {
-        r.f = r.f - link.force;
-        r.n = r.n - link.moment;
+        r.f = r.f - in<T>(link.force);
+        r.n = r.n - in<T>(link.moment);
       }
     });
   }
@@ -160,7 +162,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       fetch(links[ahead]);
       fetch(records[ahead + 1]);
     }
-    const Link<T>& link = links[i];
+    const Link<P>& link = links[i];
     const Record& r = records[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
       constexpr Step kStep = decltype(step)::value;
@@ -173,7 +175,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       if (link.is_sprung) tau[link.dof] = tau[link.dof] + passiveForce(link, x, qd[link.dof]);
       if (link.parent == 0) return;
       Record& parent = records[link.parent];
-      const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
+      const auto way = wayBack<kStep>(link, r.c, r.s, ws.others);
       Vec<T> f = r.f, moment = r.n;
       way.inward(f);
       way.inward(moment);

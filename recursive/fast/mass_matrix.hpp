@@ -10,12 +10,13 @@ namespace dynwitness::recursive::fast {
 /// What the sweep writes on, sized once for a plan.
 template <typename T>
 struct MassMatrixWorkspace {
-  explicit MassMatrixWorkspace(const Plan<T>& plan)
+  template <typename P>
+  explicit MassMatrixWorkspace(const Plan<P>& plan)
       : frames(plan.links.size() + 1),
         branches(plan.branches),
         columns(plan.blocks.size()),
         others(plan) {
-    for (const Link<T>& link : plan.links)
+    for (const Link<P>& link : plan.links)
       passages.push_back({link.parent, link.dof, link.column, link.axes, link.step, link.is_apart});
     for (Frame& frame : frames) frame = {};
     for (Columns& block : columns) block = {};
@@ -53,8 +54,8 @@ struct MassMatrixWorkspace {
 namespace detail {
 
 /// The axes of a frame, each a vector of lanes, from the parent's through a joint.
-template <Step kStep, typename T, typename Pack>
-DYNWITNESS_INLINE void axesThrough(const Way<kStep, T>& way, Pack& x, Pack& y, Pack& z) {
+template <Step kStep, typename T, typename P, typename Pack>
+DYNWITNESS_INLINE void axesThrough(const Way<kStep, T, P>& way, Pack& x, Pack& y, Pack& z) {
   if constexpr (kStep == Step::kTurnQuarter) {
     const Pack new_y = way.link.s * z;
     z = -(way.link.s * y);
@@ -65,7 +66,7 @@ DYNWITNESS_INLINE void axesThrough(const Way<kStep, T>& way, Pack& x, Pack& y, P
     z = way.link.c * z - way.link.s * y;
     y = new_y;
   }
-  if constexpr (Way<kStep, T>::kHasMatrix) {
+  if constexpr (Way<kStep, T, P>::kHasMatrix) {
     const Mat<T>& R = *way.R;
     const Pack new_x = R.xx * x + R.xy * y + R.xz * z, new_y = R.yx * x + R.yy * y + R.yz * z;
     z = R.zx * x + R.zy * y + R.zz * z;
@@ -94,8 +95,8 @@ DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Vec<T>& h, Symm
   h = h_A;
 }
 
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T>* x,
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE void massMatrixBody(const Plan<P>& plan, const JointPosition<T>* x,
                                       MassMatrixWorkspace<T>& ws, T* M) {
   using Frame = typename MassMatrixWorkspace<T>::Frame;
   using Composite = typename MassMatrixWorkspace<T>::Composite;
@@ -103,14 +104,14 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   const int n = static_cast<int>(plan.links.size());
   const std::size_t dof = plan.dof;
   // pointers of our own: a compiler must think that what is stored might be those of the vectors
-  const Link<T>* const links = plan.links.data();
+  const Link<P>* const links = plan.links.data();
   Frame* const frames = ws.frames.data();
   Columns* const columns = ws.columns.data();
   using Passage = typename MassMatrixWorkspace<T>::Passage;
   const Passage* const passages = ws.passages.data();
   // outward: the links' axes
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = links[i];
+    const Link<P>& link = links[i];
     const Frame& parent = frames[link.parent];
     Frame& frame = frames[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
@@ -134,14 +135,14 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   Composite I_C;  // of the link at hand; between two, what the link before hands inward
   if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
   for (int i = n - 1; i >= 0; --i) {
-    const Link<T>& link = links[i];
+    const Link<P>& link = links[i];
     const Frame& frame = frames[i + 1];
     if (link.end == i + 1) {
-      I_C = {link.mass, link.h, link.I};
+      I_C = {in<T>(link.mass), in<T>(link.h), in<T>(link.I)};
     } else {
       I_C.mass = I_C.mass + link.mass;
-      I_C.h = I_C.h + link.h;
-      I_C.I = I_C.I + link.I;
+      I_C.h = I_C.h + in<T>(link.h);
+      I_C.I = I_C.I + in<T>(link.I);
     }
     if (link.branch >= 0) {
       const Composite& sum = ws.branches[link.branch];
@@ -180,7 +181,7 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
         }
       }
       if (link.parent == 0) return;
-      const auto way = wayBack<kStep>(plan, link, frame.c, frame.s, ws.others);
+      const auto way = wayBack<kStep>(link, frame.c, frame.s, ws.others);
       way.inward(h);  // (1)
       way.inward(I);
       if (link.is_apart) shiftBack(jointPlace<kStep>(link, x, ws.others), I_C.mass, h, I);
@@ -239,7 +240,7 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       } else if (isSlide(next->step)) {
         write(next->dof, link->column, along(inboard->z, f_x, f_y, f_z));
       } else {
-        const Link<T>& other = links[link->parent - 1];
+        const Link<P>& other = links[link->parent - 1];
         for (int l = 0; l < next->axes; ++l) {
           const bool slides = other.kind == JointKind::kFloating && l < 3;
           const int axis = next->axes == 1 ? 2 : l % 3;

@@ -314,16 +314,16 @@ void Plan<T>::layColumns() {
 
 /** How vectors and matrices pass the joint: outward from the parent's axes to the link's, inward
     back. The step is a constant, so that each passage is straight code. */
-template <Step kStep, typename T>
+template <Step kStep, typename T, typename P = T>
 struct Way {
-  const Link<T>& link;
+  const Link<P>& link;
   T c, s;           ///< of the joint's angle
   const Mat<T>* R;  ///< for steps by matrix; of kOther the whole turn, joint included
 
   DYNWITNESS_INLINE Vec<T> outward(Vec<T> v) const {
-    if constexpr (kStep == Step::kTurnQuarter) quarterAboutX(T(-link.s), v);
+    if constexpr (kStep == Step::kTurnQuarter) quarterAboutX(P(-link.s), v);
     if constexpr (kStep == Step::kTurnTwist || kStep == Step::kSlideTwist)
-      turnAboutX(link.c, T(-link.s), v);
+      turnAboutX(link.c, P(-link.s), v);
     if constexpr (kHasMatrix) v = times(*R, v);
     if constexpr (kStep != Step::kOther) turnAboutZ(c, T(-s), v);
     return v;
@@ -377,8 +377,8 @@ DYNWITNESS_INLINE void withStep(Step step, const F& f) {
 }
 
 /// Cosine and sine of the joint's angle, the constant part included.
-template <Step kStep, typename T>
-DYNWITNESS_INLINE void jointAngle(const Link<T>& link, const JointPosition<T>* x, T& c, T& s) {
+template <Step kStep, typename T, typename P>
+DYNWITNESS_INLINE void jointAngle(const Link<P>& link, const JointPosition<T>* x, T& c, T& s) {
   if constexpr (isTurn(kStep)) {
     c = x[link.slot].c;
     s = x[link.slot].s;
@@ -390,13 +390,14 @@ DYNWITNESS_INLINE void jointAngle(const Link<T>& link, const JointPosition<T>* x
 }
 
 /// The whole turn, and the place, of a joint that is neither turning nor sliding about one axis.
-template <typename T>
-void otherJoint(const Link<T>& link, const Mat<T>& fixed, const JointPosition<T>* x, Mat<T>& R,
+template <typename T, typename P>
+void otherJoint(const Link<P>& link, const Mat<P>& constant, const JointPosition<T>* x, Mat<T>& R,
                 Vec<T>& p) {
+  const Mat<T>& fixed = in<T>(constant);
   R = fixed;
-  p = link.p;
+  p = in<T>(link.p);
   if (link.kind == JointKind::kHelical) {
-    p = p + link.slide * (link.pitch * x[link.slot].q);
+    p = p + in<T>(link.slide) * (link.pitch * x[link.slot].q);
     const T c = x[link.slot].c, s = x[link.slot].s;
     R = {c * fixed.xx + s * fixed.yx,
          c * fixed.xy + s * fixed.yy,
@@ -413,7 +414,7 @@ void otherJoint(const Link<T>& link, const Mat<T>& fixed, const JointPosition<T>
       p = p + transposedTimes(fixed, Vec<T>{x[slot].q, x[slot + 1].q, x[slot + 2].q});
       slot += 3;
     }
-    const Matrix3<T> joint = rotation(&x[slot]);  // its transpose turns into the link's axes
+    const auto joint = rotation(&x[slot]);  // its transpose turns into the link's axes
     const auto row = [&](int k) {
       return transposedTimes(fixed, Vec<T>{joint(0, k), joint(1, k), joint(2, k)});
     };
@@ -423,8 +424,8 @@ void otherJoint(const Link<T>& link, const Mat<T>& fixed, const JointPosition<T>
 }
 
 /// The motion through a joint of several axes, at these rates, in link axes.
-template <typename T>
-void otherMotion(const Link<T>& link, const T* rates, Vec<T>& linear, Vec<T>& angular) {
+template <typename T, typename P>
+void otherMotion(const Link<P>& link, const T* rates, Vec<T>& linear, Vec<T>& angular) {
   linear = angular = Vec<T>::zero();
   const T* rate = link.dof < 0 ? nullptr : rates + link.dof;
   switch (link.kind) {
@@ -445,8 +446,8 @@ void otherMotion(const Link<T>& link, const T* rates, Vec<T>& linear, Vec<T>& an
 }
 
 /// What friction takes of a joint's force at this rate; as recursive::frictionForce.
-template <typename T>
-T frictionForce(const Link<T>& link, const T& rate) {
+template <typename T, typename P>
+T frictionForce(const Link<P>& link, const T& rate) {
   const int direction = scene::directionOf(rate);
   T force = link.viscous * rate;
   if (direction > 0) force = force + link.positive;
@@ -454,15 +455,15 @@ T frictionForce(const Link<T>& link, const T& rate) {
   return force;
 }
 /// The same with what the joint's spring takes.
-template <typename T>
-DYNWITNESS_INLINE T passiveForce(const Link<T>& link, const JointPosition<T>* x, const T& rate) {
+template <typename T, typename P>
+DYNWITNESS_INLINE T passiveForce(const Link<P>& link, const JointPosition<T>* x, const T& rate) {
   const T force = link.stiffness * (x[link.slot].q - link.rest);
-  return link.is_special ? force + frictionForce(link, rate) : force;
+  return link.is_special ? T(force + frictionForce(link, rate)) : force;
 }
 
 /// Z_k' F for the axes of any joint.
-template <typename T>
-T alongAxis(const Link<T>& link, int k, const Vec<T>& f, const Vec<T>& n) {
+template <typename T, typename P>
+T alongAxis(const Link<P>& link, int k, const Vec<T>& f, const Vec<T>& n) {
   const auto entry = [](const Vec<T>& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; };
   switch (link.kind) {
     case JointKind::kPrismatic:
@@ -479,8 +480,8 @@ T alongAxis(const Link<T>& link, int k, const Vec<T>& f, const Vec<T>& n) {
 }
 
 /// (a, wd) += Z_k rate
-template <typename T>
-void addAlongAxis(const Link<T>& link, int k, const T& rate, Vec<T>& a, Vec<T>& wd) {
+template <typename T, typename P>
+void addAlongAxis(const Link<P>& link, int k, const T& rate, Vec<T>& a, Vec<T>& wd) {
   const auto add = [&](Vec<T>& v, int i) { (i == 0 ? v.x : i == 1 ? v.y : v.z) += rate; };
   switch (link.kind) {
     case JointKind::kHelical:
@@ -495,44 +496,44 @@ void addAlongAxis(const Link<T>& link, int k, const T& rate, Vec<T>& a, Vec<T>& 
   }
 }
 
-/// What depends on the state of the joints that are kOther, one each a matrix of the plan.
+/// The matrices of a plan, which depend on the state where joints are kOther, and their places.
 template <typename T>
 struct OtherJoints {
-  explicit OtherJoints(const Plan<T>& plan) : R(plan.matrices), p(plan.matrices.size()) {}
-  std::vector<Mat<T>> R;  ///< parent axes to link axes, the joint included
+  template <typename P>
+  explicit OtherJoints(const Plan<P>& plan) : p(plan.matrices.size()) {
+    for (const Mat<P>& matrix : plan.matrices) R.push_back(in<T>(matrix));
+  }
+  std::vector<Mat<T>> R;  ///< parent axes to link axes, a joint that is kOther included
   std::vector<Vec<T>> p;  ///< joint seen from the parent
 };
 
 /// The way through a joint at these positions, for the first time in this state.
-template <Step kStep, typename T>
-DYNWITNESS_INLINE Way<kStep, T> wayThrough(const Plan<T>& plan, const Link<T>& link,
-                                           const JointPosition<T>* x, OtherJoints<T>& others) {
-  Way<kStep, T> way{link, T(1), T(0), nullptr};
+template <Step kStep, typename T, typename P>
+DYNWITNESS_INLINE Way<kStep, T, P> wayThrough(const Plan<P>& plan, const Link<P>& link,
+                                              const JointPosition<T>* x, OtherJoints<T>& others) {
+  Way<kStep, T, P> way{link, T(1), T(0), nullptr};
   jointAngle<kStep>(link, x, way.c, way.s);
-  if constexpr (Way<kStep, T>::kHasMatrix) way.R = &plan.matrices[link.matrix];
-  if constexpr (kStep == Step::kOther) {
+  if constexpr (kStep == Step::kOther)
     otherJoint(link, plan.matrices[link.matrix], x, others.R[link.matrix], others.p[link.matrix]);
-    way.R = &others.R[link.matrix];
-  }
+  if constexpr (Way<kStep, T, P>::kHasMatrix) way.R = &others.R[link.matrix];
   return way;
 }
 /// The same again, its angle remembered.
-template <Step kStep, typename T>
-DYNWITNESS_INLINE Way<kStep, T> wayBack(const Plan<T>& plan, const Link<T>& link, const T& c,
-                                        const T& s, const OtherJoints<T>& others) {
+template <Step kStep, typename T, typename P>
+DYNWITNESS_INLINE Way<kStep, T, P> wayBack(const Link<P>& link, const T& c, const T& s,
+                                           const OtherJoints<T>& others) {
   const Mat<T>* R = nullptr;
-  if constexpr (Way<kStep, T>::kHasMatrix)
-    R = kStep == Step::kOther ? &others.R[link.matrix] : &plan.matrices[link.matrix];
+  if constexpr (Way<kStep, T, P>::kHasMatrix) R = &others.R[link.matrix];
   return {link, c, s, R};
 }
 
 /// Where the joint is, seen from the parent [m].
-template <Step kStep, typename T>
-DYNWITNESS_INLINE Vec<T> jointPlace(const Link<T>& link, const JointPosition<T>* x,
+template <Step kStep, typename T, typename P>
+DYNWITNESS_INLINE Vec<T> jointPlace(const Link<P>& link, const JointPosition<T>* x,
                                     const OtherJoints<T>& others) {
-  if constexpr (isSlide(kStep)) return link.p + link.slide * x[link.slot].q;
+  if constexpr (isSlide(kStep)) return in<T>(link.p) + in<T>(link.slide) * x[link.slot].q;
   if constexpr (kStep == Step::kOther) return others.p[link.matrix];
-  return link.p;
+  return in<T>(link.p);
 }
 
 /// Calls f(link, place of its record, step) for the links with friction or a gyroscopic rotor;
@@ -542,7 +543,8 @@ void forEachSpecial(const Plan<T>& plan, const F& f) {
   if (!plan.has_specials) return;
   for (int i = 0; i < static_cast<int>(plan.links.size()); ++i) {
     const Link<T>& link = plan.links[i];
-    if (link.is_special) withStep(link.step, [&](auto step) { f(link, i + 1, step); });
+    if (link.is_special)
+      withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA { f(link, i + 1, step); });
   }
 }
 
@@ -550,15 +552,15 @@ void forEachSpecial(const Plan<T>& plan, const F& f) {
 ///     h (z qdd + w_p x z qd),
 /// qdd left out where there is none. The motions hold w of the link itself, which differs along z
 /// only.
-template <typename T, typename Motion, typename Record>
-void addRotors(const Plan<T>& plan, const T* qd, const T* qdd, const OtherJoints<T>& others,
+template <typename T, typename P, typename Motion, typename Record>
+void addRotors(const Plan<P>& plan, const T* qd, const T* qdd, const OtherJoints<T>& others,
                const std::vector<Motion>& motions, std::vector<Record>& records) {
-  forEachSpecial(plan, [&](const Link<T>& link, int record, auto step) {
+  forEachSpecial(plan, [&](const Link<P>& link, int record, auto step) DYNWITNESS_INLINE_LAMBDA {
     const Record& r = records[record];
     const Vec<T>& w = motions[record].w;
     Vec<T> rotor = Vec<T>{w.y, -w.x, T(0)} * (link.spin * qd[link.dof]);
     if (qdd) rotor.z = link.spin * qdd[link.dof];
-    wayBack<decltype(step)::value>(plan, link, r.c, r.s, others).inward(rotor);
+    wayBack<decltype(step)::value>(link, r.c, r.s, others).inward(rotor);
     records[link.parent].n = records[link.parent].n + rotor;
   });
 }

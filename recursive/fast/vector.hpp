@@ -4,6 +4,7 @@
 // boil down to.
 #pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "recursive/spatial.hpp"
@@ -25,6 +26,30 @@ struct Vec {
   Vec operator*(const T& s) const { return {x * s, y * s, z * s}; }
 };
 
+/** A constant of a mechanism (a number, Vec, Mat or Symmetric3 of type P) where states of type T
+    meet it: itself, or, where T holds many states, the same in each. */
+template <typename T, typename P>
+DYNWITNESS_INLINE decltype(auto) in(const P& x) {
+  if constexpr (std::is_same_v<T, P>)
+    return static_cast<const T&>(x);
+  else
+    return T(x);
+}
+template <typename T, typename P>
+DYNWITNESS_INLINE decltype(auto) in(const Vec<P>& v) {
+  if constexpr (std::is_same_v<T, P>)
+    return static_cast<const Vec<T>&>(v);
+  else
+    return Vec<T>{T(v.x), T(v.y), T(v.z)};
+}
+template <typename T, typename P>
+DYNWITNESS_INLINE decltype(auto) in(const Symmetric3<P>& m) {
+  if constexpr (std::is_same_v<T, P>)
+    return static_cast<const Symmetric3<T>&>(m);
+  else
+    return Symmetric3<T>{T(m.xx), T(m.yy), T(m.zz), T(m.xy), T(m.xz), T(m.yz)};
+}
+
 template <typename T>
 DYNWITNESS_INLINE Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -39,6 +64,14 @@ struct Mat {
     return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
   }
 };
+
+template <typename T, typename P>
+DYNWITNESS_INLINE decltype(auto) in(const Mat<P>& m) {
+  if constexpr (std::is_same_v<T, P>)
+    return static_cast<const Mat<T>&>(m);
+  else
+    return Mat<T>{T(m.xx), T(m.xy), T(m.xz), T(m.yx), T(m.yy), T(m.yz), T(m.zx), T(m.zy), T(m.zz)};
+}
 
 template <typename T>
 DYNWITNESS_INLINE Vec<T> times(const Mat<T>& m, const Vec<T>& v) {
@@ -60,19 +93,20 @@ DYNWITNESS_INLINE Vec<T> times(const Symmetric3<T>& m, const Vec<T>& v) {
 // ---- turns in a coordinate plane ----------------------------------------------------------------
 //
 // A vector's components (a, b) become (c a - s b, s a + c b). A matrix is turned from both sides.
+// What is turned may be many states' (States), by an angle that is the same in all of them.
 // Every new entry is a sum of products of old ones: shorter formulas exist (they use c^2 + s^2 =
 // 1), but they cancel, and lose the digits of a light direction beside a heavy one.
 
-template <typename T>
-DYNWITNESS_INLINE void turn(const T& c, const T& s, T& a, T& b) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turn(const C& c, const C& s, T& a, T& b) {
   const T new_a = c * a - s * b;
   b = s * a + c * b;
   a = new_a;
 }
 
 /// The symmetric matrix [aa ab at; ab bb bt; at bt tt] in the plane of a and b.
-template <typename T>
-DYNWITNESS_INLINE void turn(const T& c, const T& s, T& aa, T& bb, T& ab, T& at, T& bt) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turn(const C& c, const C& s, T& aa, T& bb, T& ab, T& at, T& bt) {
   const T ca = c * aa - s * ab, cb = c * ab - s * bb;
   const T sa = s * aa + c * ab, sb = s * ab + c * bb;
   aa = c * ca - s * cb;
@@ -81,24 +115,24 @@ DYNWITNESS_INLINE void turn(const T& c, const T& s, T& aa, T& bb, T& ab, T& at, 
   turn(c, s, at, bt);
 }
 
-template <typename T>
-DYNWITNESS_INLINE void turnAboutZ(const T& c, const T& s, Vec<T>& v) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turnAboutZ(const C& c, const C& s, Vec<T>& v) {
   turn(c, s, v.x, v.y);
 }
-template <typename T>
-DYNWITNESS_INLINE void turnAboutX(const T& c, const T& s, Vec<T>& v) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turnAboutX(const C& c, const C& s, Vec<T>& v) {
   turn(c, s, v.y, v.z);
 }
-template <typename T>
-DYNWITNESS_INLINE void turnAboutZ(const T& c, const T& s, Symmetric3<T>& m) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turnAboutZ(const C& c, const C& s, Symmetric3<T>& m) {
   turn(c, s, m.xx, m.yy, m.xy, m.xz, m.yz);
 }
-template <typename T>
-DYNWITNESS_INLINE void turnAboutX(const T& c, const T& s, Symmetric3<T>& m) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turnAboutX(const C& c, const C& s, Symmetric3<T>& m) {
   turn(c, s, m.yy, m.zz, m.yz, m.xy, m.xz);
 }
-template <typename T>
-DYNWITNESS_INLINE void turnAboutZ(const T& c, const T& s, Mat<T>& m) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turnAboutZ(const C& c, const C& s, Mat<T>& m) {
   turn(c, s, m.xx, m.yx);
   turn(c, s, m.xy, m.yy);
   turn(c, s, m.xz, m.yz);
@@ -106,8 +140,8 @@ DYNWITNESS_INLINE void turnAboutZ(const T& c, const T& s, Mat<T>& m) {
   turn(c, s, m.yx, m.yy);
   turn(c, s, m.zx, m.zy);
 }
-template <typename T>
-DYNWITNESS_INLINE void turnAboutX(const T& c, const T& s, Mat<T>& m) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void turnAboutX(const C& c, const C& s, Mat<T>& m) {
   turn(c, s, m.yx, m.zx);
   turn(c, s, m.yy, m.zy);
   turn(c, s, m.yz, m.zz);
@@ -118,22 +152,22 @@ DYNWITNESS_INLINE void turnAboutX(const T& c, const T& s, Mat<T>& m) {
 
 // a quarter turn about x, s = 1 or -1: (y, z) becomes (-s z, s y), without a product of two
 // unknowns
-template <typename T>
-DYNWITNESS_INLINE void quarterAboutX(const T& s, Vec<T>& v) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void quarterAboutX(const C& s, Vec<T>& v) {
   const T y = -(s * v.z);
   v.z = s * v.y;
   v.y = y;
 }
-template <typename T>
-DYNWITNESS_INLINE void quarterAboutX(const T& s, Symmetric3<T>& m) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void quarterAboutX(const C& s, Symmetric3<T>& m) {
   std::swap(m.yy, m.zz);
   m.yz = -m.yz;
   const T xy = -(s * m.xz);
   m.xz = s * m.xy;
   m.xy = xy;
 }
-template <typename T>
-DYNWITNESS_INLINE void quarterAboutX(const T& s, Mat<T>& m) {
+template <typename C, typename T>
+DYNWITNESS_INLINE void quarterAboutX(const C& s, Mat<T>& m) {
   std::swap(m.yy, m.zz);
   const T yz = -m.zy;
   m.zy = -m.yz;

@@ -14,6 +14,7 @@
 #include "crosscheck/chart/raw_mujoco.hpp"
 #include "crosscheck/chart/raw_simbody.hpp"
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/scalars/many_states.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
@@ -188,6 +189,31 @@ void kernelOne(benchmark::State& run, const std::string& scene, Formula formula,
     run.counters["operations"] = kernel.road(formula).operations();
 }
 
+/// All states in one call by the general sweeps, state by state as NumPy lays them out.
+void fastMany(benchmark::State& run, const std::string& scene, Formula formula) {
+  Arm arm(scene);
+  const int n = arm.setup.model.dof(), nq = arm.setup.model.positions;
+  std::vector<double> q, qd, w, out(static_cast<std::size_t>(n * n) * kStates);
+  for (const std::vector<double>& x : positionsOf(arm)) q.insert(q.end(), x.begin(), x.end());
+  for (const scene::State<double>& s : arm.states) {
+    const std::vector<double>& given = formula == Formula::kForwardDynamics ? s.tau : s.qdd;
+    qd.insert(qd.end(), s.qd.begin(), s.qd.end());
+    w.insert(w.end(), given.begin(), given.end());
+  }
+  recursive::fast::ManyStates many(arm.setup.model);
+  for (auto _ : run) {
+    if (formula == Formula::kMassMatrix)
+      many.massMatrix(kStates, {q.data(), nq}, {out.data(), n * n});
+    else if (formula == Formula::kForwardDynamics)
+      many.forwardDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {w.data(), n}, {out.data(), n});
+    else
+      many.inverseDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {w.data(), n}, {out.data(), n});
+    benchmark::DoNotOptimize(out.data());
+    benchmark::ClobberMemory();
+  }
+  run.counters[kStatesCounter] = benchmark::Counter(kStates, benchmark::Counter::kAvgThreads);
+}
+
 /// All states in one call, component by component. In several threads each has its own states.
 void kernelMany(benchmark::State& run, const std::string& scene, Formula formula,
                 const KernelCompiler& compiler) {
@@ -354,6 +380,11 @@ void registerSweeps(BenchResult* result) {
       [](benchmark::State& run, const std::string& scene, Formula f) {
         fast(run, scene, &kFastByOwn, f);
       });
+  add(result,
+      {"fast_lanes",
+       fmt::format("fast sweeps, {} states a vector, {}", recursive::fast::widestVectors(), own),
+       true},
+      fastMany);
 #ifdef DYNWITNESS_SECOND_COMPILER
   add(result, {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true},
       [](benchmark::State& run, const std::string& scene, Formula f) {

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The fast sweeps at many states are the fast sweeps: the same bits as one state at a time, whatever
+// the width of the vectors, the layout of the arrays and the number of states. That those are right
+// is held by tests of the witness `fast`.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <boost/test/unit_test.hpp>
+
+#include "recursive/build_model.hpp"
+#include "recursive/fast/dynamics.hpp"
+#include "recursive/fast/many_states.hpp"
+#include "tests/fixtures/files.hpp"
+#include "tests/fixtures/scene_files.hpp"
+
+using namespace dynwitness;
+using namespace dynwitness::recursive;
+using fast::ManyStates;
+using fast::Strided;
+
+namespace {
+
+Model<double> modelOf(const std::string& file) {
+  const scene::Scene scene = scene::readScene(file);
+  return buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+}
+Model<double> bundled(const std::string& name) {
+  return modelOf(std::string(DYNWITNESS_DATA_DIR) + "/scenes/" + name + ".toml");
+}
+
+std::vector<int> widths() {
+  std::vector<int> all;
+  for (const int width : {2, 4, 8})
+    if (width <= fast::widestVectors()) all.push_back(width);
+  return all;
+}
+
+/// States of one mechanism, one after the other, and what Dynamics says of each.
+struct Asked {
+  Asked(const Model<double>& model, int states)
+      : n(model.dof()), nq(model.positions), count(states) {
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> number(-3, 3);
+    for (auto* all : {&q, &qd, &given}) {
+      all->resize(static_cast<std::size_t>(count * (all == &q ? nq : n)));
+      for (double& x : *all) x = number(random);
+    }
+  }
+  void answer(const Model<double>& model) {
+    fast::Dynamics one(model);
+    tau.resize(static_cast<std::size_t>(count * n));
+    qdd = tau;
+    M.resize(static_cast<std::size_t>(count * n * n));
+    for (int s = 0; s < count; ++s) {
+      one.inverseDynamics(&q[s * nq], &qd[s * n], &given[s * n], &tau[s * n]);
+      one.forwardDynamics(&q[s * nq], &qd[s * n], &given[s * n], &qdd[s * n]);
+      one.massMatrix(&q[s * nq], &M[s * n * n]);
+    }
+  }
+  int n, nq, count;
+  std::vector<double> q, qd, given, tau, qdd, M;
+};
+
+/// Bytes of an array of `count` states of `width` numbers, laid out by columns: all states' first
+/// number, then all states' second, with a gap after each.
+struct ByColumns {
+  ByColumns(const std::vector<double>& rows, int count, int width)
+      : apart(count + 3), numbers(static_cast<std::size_t>(width) * apart, -17.0) {
+    for (int s = 0; s < count; ++s)
+      for (int k = 0; k < width; ++k)
+        numbers[static_cast<std::size_t>(k * apart + s)] =
+            rows[static_cast<std::size_t>(s * width + k)];
+  }
+  Strided<const double> read() const { return {numbers.data(), 1, apart}; }
+  Strided<double> write() { return {numbers.data(), 1, apart}; }
+  int apart;
+  std::vector<double> numbers;
+};
+
+/// What is no number has no bits of its own: processors choose among its signs.
+bool sameBits(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) {
+    return std::memcmp(&x, &y, sizeof x) == 0 || (std::isnan(x) && std::isnan(y));
+  });
+}
+
+void requireSameBits(ManyStates& many, const Asked& asked) {
+  const int n = asked.n, nq = asked.nq, nn = n * n;
+  const auto states = static_cast<std::size_t>(asked.count);
+  std::vector<double> tau(asked.tau.size(), 1), qdd(tau), M(asked.M.size(), 1);
+  many.inverseDynamics(states, {asked.q.data(), nq}, {asked.qd.data(), n}, {asked.given.data(), n},
+                       {tau.data(), n});
+  many.forwardDynamics(states, {asked.q.data(), nq}, {asked.qd.data(), n}, {asked.given.data(), n},
+                       {qdd.data(), n});
+  many.massMatrix(states, {asked.q.data(), nq}, {M.data(), nn});
+  BOOST_TEST(sameBits(tau, asked.tau));
+  BOOST_TEST(sameBits(qdd, asked.qdd));
+  BOOST_TEST(sameBits(M, asked.M));
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_scene_gets_the_bits_of_one_state_at_a_time) {
+  int asked = 0;
+  for (const std::string& file : sceneFiles()) {
+    const scene::Scene scene = scene::readScene(file);
+    if (scene.mechanism.hasCoupledRates()) continue;  // a plan is refused
+    BOOST_TEST_CONTEXT(file) {
+      const auto model = buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+      Asked all(model, 19);
+      all.answer(model);
+      for (const int width : widths()) {
+        BOOST_TEST_CONTEXT("width " << width) {
+          ManyStates many(model, width);
+          requireSameBits(many, all);
+        }
+      }
+      ++asked;
+    }
+  }
+  BOOST_TEST(asked > 40);
+}
+
+BOOST_AUTO_TEST_CASE(any_number_of_states_and_any_layout_are_answered_and_nothing_else_is_written) {
+  const auto model = bundled("satellite_arm");
+  for (const int width : widths()) {
+    ManyStates many(model, width);
+    for (const int count : {0, 1, 2, 3, 7, 8, 9, 16, 21}) {
+      BOOST_TEST_CONTEXT("width " << width << ", states " << count) {
+        Asked all(model, count);
+        all.answer(model);
+        requireSameBits(many, all);
+
+        const ByColumns q(all.q, count, all.nq), qd(all.qd, count, all.n),
+            given(all.given, count, all.n);
+        ByColumns out(std::vector<double>(all.tau.size(), 5.0), count, all.n);
+        const ByColumns expected(all.qdd, count, all.n);
+        many.forwardDynamics(static_cast<std::size_t>(count), q.read(), qd.read(), given.read(),
+                             out.write());
+        BOOST_TEST(sameBits(out.numbers, expected.numbers));
+      }
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(states_do_not_hear_of_each_other) {
+  // an angle that the library reduces, one that is no number, signed zeros, a rate at rest of a joint
+  // with friction, a quaternion whose square underflows: each beside ordinary states
+  for (const char* name : {"satellite_arm", "puma_560_friction"}) {
+    const auto model = bundled(name);
+    Asked all(model, 24);
+    const int last = all.nq - 1;
+    all.q[static_cast<std::size_t>(3 * all.nq + last)] = 1e5;
+    all.q[static_cast<std::size_t>(9 * all.nq + last)] = std::numeric_limits<double>::quiet_NaN();
+    all.q[static_cast<std::size_t>(10 * all.nq + last)] = -0.0;
+    all.qd[static_cast<std::size_t>(11 * all.n + all.n - 1)] = -0.0;
+    all.qd[static_cast<std::size_t>(12 * all.n)] = 0;
+    for (int k = 0; k < all.nq; ++k) all.q[static_cast<std::size_t>(17 * all.nq + k)] *= 1e-170;
+    all.answer(model);
+    for (const int width : widths()) {
+      BOOST_TEST_CONTEXT(name << ", width " << width) {
+        ManyStates many(model, width);
+        requireSameBits(many, all);
+      }
+    }
+    BOOST_TEST(std::isnan(all.qdd[static_cast<std::size_t>(9 * all.n)]));
+    BOOST_TEST(!std::isnan(all.qdd[static_cast<std::size_t>(8 * all.n)]));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_width_that_the_processor_lacks_is_refused) {
+  const auto model = bundled("double_pendulum");
+  for (const int width : {-1, 0, 1, 3, 16})
+    BOOST_CHECK_EXCEPTION(ManyStates(model, width), std::invalid_argument, [&](const auto& e) {
+      return files::contains(e.what(), "width " + std::to_string(width) + " was asked");
+    });
+  BOOST_TEST(ManyStates(model).width() == fast::widestVectors());
+}
