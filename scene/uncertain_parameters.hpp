@@ -31,7 +31,8 @@ std::vector<UncertainParameter> uncertainParametersOf(const std::string& text, c
 std::vector<UncertainParameter> readUncertainParameters(const std::filesystem::path& file,
                                                         const Scene& scene);
 
-/// The table as TOML, to stand behind writeEnvelope(); none: no text. What is read back is the same.
+/// The table as TOML, to stand behind writeEnvelope(); none: no text. What is read back is the
+/// same.
 std::string writeUncertainParameters(const std::vector<UncertainParameter>& parameters);
 
 }  // namespace dynwitness::scene

@@ -17,8 +17,8 @@ using SidesOfAll = std::vector<TwoSides<PrimeField>>;
 /// formulas and at each point for their values. Where a side cannot be had, `failure` says why.
 struct Inquiry {
   std::vector<CheckResult> checks;  ///< what is asked, in words
-  /// @param wanted  one entry a check: where it is 0 the sides need not be computed, since the check
-  ///   has enough points, and this one is for others
+  /// @param wanted  one entry a check: where it is 0 the sides need not be computed, since the
+  ///   check has enough points, and this one is for others
   std::function<SidesOfAll(const FieldNumbers&, const scene::State<PrimeField>&,
                            const std::vector<char>& wanted)>
       ask = {};

@@ -17,8 +17,8 @@
 namespace dynwitness::python {
 namespace {
 
-/// From so many states on a batch is swept in the processor's lanes, for which a scene is made ready
-/// anew: as long as some ten states of it take.
+/// From so many states on a batch is swept in the processor's lanes, for which a scene is made
+/// ready anew: as long as some ten states of it take.
 constexpr long kStatesForLanes = 16;
 /// From so many states on a batch is given to the kernel, whose compilation takes a second or so
 /// where it is not kept on disk yet: as long as some 10^5 states take by the sweeps.
@@ -49,7 +49,8 @@ class PyScene {
     for (long k = 0; k < states.count(); ++k) call(k, room);
   }
 
-  /// The same of what is swept in lanes where there are enough: `call` of each state, or `many` once.
+  /// The same of what is swept in lanes where there are enough: `call` of each state, or `many`
+  /// once.
   template <typename Call, typename Many>
   void forEach(const States& states, const Call& call, const Many& many) {
     if (!states.isBatch() || states.count() < kStatesForLanes) return forEach(states, call);

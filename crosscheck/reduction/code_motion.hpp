@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions whose accelerations come from compiled code: the C that `derive --format c --quantity qdd`
-// writes, or the scene's kernel in lanes.
+// Motions whose accelerations come from compiled code: the C that
+// `derive --format c --quantity qdd` writes, or the scene's kernel in lanes.
 #pragma once
 
 #include <memory>

@@ -17,7 +17,8 @@
 
 namespace dynwitness::recursive::fast {
 
-/// Numbers of many states, as NumPy lays them out: number k of state s is at[s * state + k * number].
+/// Numbers of many states, as NumPy lays them out:
+///     number k of state s is at[s * state + k * number].
 template <typename T>
 struct Strided {
   T* at;

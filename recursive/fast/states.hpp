@@ -67,7 +67,8 @@ struct States {
   }
 };
 
-/// As of a single state: friction(qd) = viscous qd + positive where qd > 0, - negative where qd < 0.
+/// As of a single state:
+///     friction(qd) = viscous qd, + positive where qd > 0, - negative where qd < 0.
 template <int N>
 DYNWITNESS_INLINE States<N> frictionForce(const Link<double>& link, const States<N>& rate) {
   using S = States<N>;

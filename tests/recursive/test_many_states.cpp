@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps at many states are the fast sweeps: the same bits as one state at a time, whatever
-// the width of the vectors, the layout of the arrays and the number of states. That those are right
-// is held by tests of the witness `fast`.
+// The fast sweeps at many states are the fast sweeps: the same bits as one state at a time,
+// whatever the width of the vectors, the layout of the arrays and the number of states. That those
+// are right is held by tests of the witness `fast`.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -149,8 +149,8 @@ BOOST_AUTO_TEST_CASE(any_number_of_states_and_any_layout_are_answered_and_nothin
 }
 
 BOOST_AUTO_TEST_CASE(states_do_not_hear_of_each_other) {
-  // an angle that the library reduces, one that is no number, signed zeros, a rate at rest of a joint
-  // with friction, a quaternion whose square underflows: each beside ordinary states
+  // an angle that the library reduces, one that is no number, signed zeros, a rate at rest of a
+  // joint with friction, a quaternion whose square underflows: each beside ordinary states
   for (const char* name : {"satellite_arm", "puma_560_friction"}) {
     const auto model = bundled(name);
     Asked all(model, 24);

@@ -68,9 +68,9 @@ FixedPoint fixedPointOf(const std::string& name, double error) {
 
 }  // namespace
 
-// By hand: tau = 2 qdd + 19.5 is from 13.5 to 25.5, five bits before the point; 2 and 19.5 are whole
-// halves, so that nothing is rounded but qdd, to half a unit, and tau: 2 / 2 units of qdd and half a
-// unit of tau.
+// By hand: tau = 2 qdd + 19.5 is from 13.5 to 25.5, five bits before the point; 2 and 19.5 are
+// whole halves, so that nothing is rounded but qdd, to half a unit, and tau: 2 / 2 units of qdd and
+// half a unit of tau.
 BOOST_AUTO_TEST_CASE(a_slide_by_hand) {
   const scene::Scene scene = scene::readSceneToml(kSlide, "slide.toml");
   const FixedPoint fixed = fixedPoint(scene, scene::envelopeOf(kSlide, scene), 0.01, kNoStage);
