@@ -43,7 +43,8 @@ void addRotorInertia(const Model<T>& model, const Workspace<T>& ws, const Geared
         (3)  M_ij = Z_j' F  for the joints j inboard of i, F carried inward
     A gyroscopic rotor, spun up by the joint, needs the moment h z of its parent: F has it from
     there on. A rotor geared to all rates of a joint adds J n_k n_l to M_kl, and n_k Z_j' (0, J a),
-    a in the axes of the link that carries it, to M_kj of the joints j inboard of that link and its own.
+    a in the axes of the link that carries it, to M_kj of the joints j inboard of that link and its
+    own.
 
     M must be n x n on entry and is written whole.
     @throws std::invalid_argument  x or M has another size

@@ -76,7 +76,8 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
 
 /** forwardDynamics() of a model with followers or geared rotors. The steps are those of
     articulated_body.hpp; only a rate y that several joints share cannot be solved for where one of
-    them is passed. It is carried inward as an unknown: with F the force that a unit of y asks of a link, all links obey
+    them is passed. It is carried inward as an unknown: with F the force that a unit of y asks of a
+    link, all links obey
 
         (1)  f = M_A a + f_A + sum of F_g y_g          each rate g:  F_g' a + sum of D_gh y_h = u_g
 

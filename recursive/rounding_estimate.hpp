@@ -32,13 +32,13 @@ class RoundingFilter;
 
         (1)  e = a b + c alpha,   s = a v + c w
              force  a (e + w s),   moment  c e + s^2                 at least |M a + v x* (M v)|
-        (2)  force and moment of p  +=  force,  moment + p_i force    at least what joint i passes on
+        (2)  force and moment of p  +=  force,  moment + p_i force  at least what joint i passes on
 
     so that tau_i is off by some roundings of (2). Articulated inertias are M_A = M - U U'/D, whose
     roundings are of the size of what was subtracted from. In forward dynamics a, c of e in (1) are
     those of the link with all that it carries, a composite body that is stretched out,
 
-        (3)  a_p^2 += a_i^2,   c_p^2 += (c_i + p_i a_i)^2             at least its sqrt(trace(I) / 2)
+        (3)  a_p^2 += a_i^2,  c_p^2 += (c_i + p_i a_i)^2             at least its sqrt(trace(I) / 2)
 
     and qdd_i is off by roundings of ((2) + |tau_i|) / D_i: where D_i is what is left of numbers
     that are much larger, their ratio is what is lost. By M = L D L', M_ij is off by roundings of

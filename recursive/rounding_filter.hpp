@@ -17,14 +17,14 @@ namespace dynwitness::recursive {
     and by numbers that the state cannot change. With W, A sums of |qd|, |qdd| of turns, S, B those
     of slides, L_i the length of the way to link i from the first joint,
 
-        (1)  w <= W,   v <= L W + S,   alpha <= A + W^2,   b <= |gravity| + L (A + 2 W^2) + 2 W S + B
+        (1)  w <= W,  v <= L W + S,   alpha <= A + W^2,   b <= |gravity| + L (A + 2 W^2) + 2 W S + B
         (2)  force <= a^2 F + a r E,   moment <= a c F + r^2 E + 2 a^2 S^2
              with r = a L + c,   E = A + 5 W^2,   F = |gravity| + 3 W S + B
 
     of which the sums over what is outboard of a joint are kept. M^-1 of the matrix roads is bounded
-    by |L|, D and the sizes of links, since (|L| D |L'|)_ij <= N_i N_j. Never less than the estimate:
-    what passes here would have passed there. Where slides move joints apart, they are taken to be
-    out as far as any of them ever was, twice that when it grows.
+    by |L|, D and the sizes of links, since (|L| D |L'|)_ij <= N_i N_j. Never less than the
+    estimate: what passes here would have passed there. Where slides move joints apart, they are
+    taken to be out as far as any of them ever was, twice that when it grows.
 
     @tparam T  float, double
     @see S. Fortune, C. Van Wyk, Efficient exact arithmetic for computational geometry (1993):

@@ -85,7 +85,6 @@ std::vector<JointRanges> envelopeOf(const std::string& text, const Scene& scene)
   const toml::table top = parsedToml(withoutMark(text), file);
   const toml::node* node = top.get("envelope");
   if (!node) return {};
-  uncertainParametersOf(text, scene);  // says what is wrong with them, wherever ranges are read
   return EnvelopeReader(scene, file).read(*node);
 }
 

@@ -46,9 +46,9 @@ inline constexpr const char* kFunctionsOfNumbers[] = {"sin", "cos", "asin", "sqr
 /** sin, cos, asin or sqrt of an exact number.
 
     Exact are, by Niven's theorem, sines and cosines of the multiples of pi that give 0, +-1/2 and
-    +-1 (and no others), the arcsines of these, and roots of squares. Every other value is the decimal
-    with 60 significant digits that is nearest to it, which is a rational number that everybody
-    computes with.
+    +-1 (and no others), the arcsines of these, and roots of squares. Every other value is the
+    decimal with 60 significant digits that is nearest to it, which is a rational number that
+    everybody computes with.
     @throws std::domain_error  sqrt of what is negative, asin beyond +-1 */
 FunctionValue functionValue(std::string_view function, const Exact& x);
 
@@ -61,8 +61,8 @@ bool hasRoundedFunction(const Expression& expression);
 using ParameterErrors = std::map<std::string, Rational>;
 
 /** How far an expression's value may be from what it says, since functions in it are rounded: of
-    each decimal half a unit of its last digit, carried through sums, products and quotients; 0: it is
-    exact.
+    each decimal half a unit of its last digit, carried through sums, products and quotients; 0: it
+    is exact.
     @param errors  of parameters that are not exact
     @throws InputError (at `where`)  more than 1e-50 of the value: it cancels, and what is left is
       rounding */

@@ -115,10 +115,10 @@ struct Mimic {
 
         D = sum of J n n'           tau = D nudot + ...,   T = nu'D nu / 2 + ...          (N'J N)
 
-    and every symmetric matrix without negative eigenvalues is that of as many rotors as it has rank.
-    With an axis a (of length 1 here) the rotor is gyroscopic: a symmetric body on the parent link,
-    whose mass properties include it as it stands, that spins about a as the parent sees it; with w
-    the parent's angular velocity
+    and every symmetric matrix without negative eigenvalues is that of as many rotors as it has
+    rank. With an axis a (of length 1 here) the rotor is gyroscopic: a symmetric body on the parent
+    link, whose mass properties include it as it stands, that spins about a as the parent sees it;
+    with w the parent's angular velocity
 
         T = J (a'w + psi')^2 / 2 - J (a'w)^2 / 2
         tau += n J (psi'' + a'dw/dt)              the parent's moment += J psi'' a + w x J psi' a
@@ -126,8 +126,8 @@ struct Mimic {
     The rates of spherical and floating joints are no derivatives, so that psi is no function of
     where the joint is: its gears hold it like wheels that roll. Such a rotor has an equation of its
     own, J (psi'' + a'dw/dt) = the moment of its gears, which takes part in tau with n (d'Alembert).
-    There is no term of Hamel in it, which Lagrange's equations of T in the joint's rates alone would
-    add: a constraint of rates must not be put into T before T is differentiated. */
+    There is no term of Hamel in it, which Lagrange's equations of T in the joint's rates alone
+    would add: a constraint of rates must not be put into T before T is differentiated. */
 struct Rotor {
   Number inertia{0};           ///< J [kg m^2]
   std::vector<Number> ratio;   ///< n, one a rate of the joint [rad/rad], [rad/m]
@@ -237,12 +237,12 @@ bool isOfRates(ClosureKind kind, int row);
 
     A rolling disc of radius r about z_b, its centre h = d_z > 0 above the plane, touches it at
 
-        rho = -(n - (n . z_b) z_b) r^2 / h        from its centre; n = z_a, and |rho| = r while it touches
+        rho = -(n - (n . z_b) z_b) r^2 / h  from its centre; n = z_a, and |rho| = r while it touches
 
     The point of the disc that is there rests:  (d' + w x rho)_x,  (d' + w x rho)_y = 0, w being how
     b turns on a; that it touches is  (h - (1 - (n . z_b)^2) r^2 / h) / 2 = 0, whose rate is
-    (d' + w x rho)_z there. So all three multipliers are the force on the disc in a's axes. Nothing is
-    divided by what vanishes before the disc lies flat, h = 0. */
+    (d' + w x rho)_z there. So all three multipliers are the force on the disc in a's axes. Nothing
+    is divided by what vanishes before the disc lies flat, h = 0. */
 struct Closure {
   std::string name;
   ClosureKind kind = ClosureKind::kPoint;

@@ -35,8 +35,8 @@ struct TextTableKeys {
 /** Reads a whole file of such tables.
     @param allowed  by name of the table
     @return  by the same names, in the order of the file
-    @throws InputError  not TOML, a table or key that is not allowed, one that is missing, a value of
-    another type, an empty text */
+    @throws InputError  not TOML, a table or key that is not allowed, one that is missing, a value
+    of another type, an empty text */
 std::map<std::string, std::vector<TextTable>> readTextTables(
     const std::string& text, const std::string& file,
     const std::map<std::string, TextTableKeys>& allowed);

@@ -104,6 +104,14 @@ std::vector<UncertainParameter> readUncertainParameters(const std::filesystem::p
   return uncertainParametersOf(readTextFile(file, "a TOML scene"), of_file);
 }
 
+bool hasUncertainParameters(const std::filesystem::path& file) {
+  if (file.extension() != ".toml" || !std::filesystem::exists(file)) return false;
+  const toml::table top =
+      parsedToml(withoutMark(readTextFile(file, "a TOML scene")), file.string());
+  const toml::table* envelope = top["envelope"].as_table();
+  return envelope && envelope->contains("parameters");
+}
+
 std::string writeUncertainParameters(const std::vector<UncertainParameter>& parameters) {
   if (parameters.empty()) return "";
   std::string text = "\n[envelope.parameters]\n";

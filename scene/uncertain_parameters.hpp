@@ -31,6 +31,9 @@ std::vector<UncertainParameter> uncertainParametersOf(const std::string& text, c
 std::vector<UncertainParameter> readUncertainParameters(const std::filesystem::path& file,
                                                         const Scene& scene);
 
+/// Whether a file has the table; what stands in it is not looked at.
+bool hasUncertainParameters(const std::filesystem::path& file);
+
 /// The table as TOML, to stand behind writeEnvelope(); none: no text. What is read back is the
 /// same.
 std::string writeUncertainParameters(const std::vector<UncertainParameter>& parameters);

@@ -15,9 +15,9 @@ namespace dynwitness::symbolic {
         M qdd + c + g = tau + Q + J' lambda,    J qdd + gamma = 0
 
     phi [m], J_ki = X_i phi_k [m x n] (dphi_k/dq_i, or along the rate where there are
-    quasi-velocities), gamma = (dJ/dt) qd [m]; their order is that of scene::Closure. Where an equation
-    is one of rates, psi_k(q, qd) = 0 linear in qd (scene::isOfRates), phi_k = 0 and J_ki = dpsi_k/dqd_i,
-    as d'Alembert and Lagrange have it. */
+    quasi-velocities), gamma = (dJ/dt) qd [m]; their order is that of scene::Closure. Where an
+    equation is one of rates, psi_k(q, qd) = 0 linear in qd (scene::isOfRates), phi_k = 0 and J_ki =
+    dpsi_k/dqd_i, as d'Alembert and Lagrange have it. */
 struct ClosureEquations {
   std::vector<Node> phi, gamma;
   std::vector<std::vector<Node>> J;

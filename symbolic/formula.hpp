@@ -60,8 +60,8 @@ enum class Style { kText, kLatex, kMathml, kC, kPython, kSympy };
 
 /** A formula in one of the notations. LaTeX is for math mode. MathML is the content of a `math`
     element, as browsers render it without help. In C and Python, symbols are the identifiers of
-    identifier(), and cos(q1), sin(q1), qd1 are the local variables c1, s1, qd1. Python for SymPy has
-    rational numbers where Python alone has floating-point ones. */
+    identifier(), and cos(q1), sin(q1), qd1 are the local variables c1, s1, qd1. Python for SymPy
+    has rational numbers where Python alone has floating-point ones. */
 std::string print(const Formula& formula, Style style);
 
 /// "left = right"; in MathML a whole `math` element, displayed as a block.

@@ -40,8 +40,8 @@ std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
                   const std::string& name);
 
 /** The same as a Python module of SymPy's expressions with exact numbers: M, c, g, Q (constant
-    wrenches and friction) and tau = M qdd + c + g - Q in symbols q1.., qd1.., qdd1.. and the parameters, which
-    VALUES maps to the scene's own. */
+    wrenches and friction) and tau = M qdd + c + g - Q in symbols q1.., qd1.., qdd1.. and the
+    parameters, which VALUES maps to the scene's own. */
 std::string emitSympy(const Equations& equations, const scene::Mechanism& mechanism);
 
 /// The same as a Python module that needs the standard library alone:

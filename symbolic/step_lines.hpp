@@ -32,8 +32,8 @@ std::vector<int> linksOfRates(const scene::Mechanism& mechanism, const Options& 
                               Equations& e);
 
 /** The lines, each under the first step that needs it, and after them the results of the step, in
-    their order. Lines that only accelerations of one link need stand with that link, others with the
-    first result that needs them: T outward, all else inward. */
+    their order. Lines that only accelerations of one link need stand with that link, others with
+    the first result that needs them: T outward, all else inward. */
 void addLines(Equations& e, const scene::Mechanism& mechanism, const std::vector<Result>& results,
               std::vector<Step>* steps);
 

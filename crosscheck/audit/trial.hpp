@@ -149,7 +149,8 @@ Matrix3<S> Point::rotationOf(const S& w, const Vector3<S>& u) {
 using ExactStatement = std::function<void(Point&)>;
 
 /** Decides an equation over a prime field: zero at as many random points as make the chance that
-    different formulas pass at most 1e-30 (formula_sizes.hpp derives it), or a point where it is not zero.
+    different formulas pass at most 1e-30 (formula_sizes.hpp derives it), or a point where it is not
+    zero.
 
     @param statement  called as statement(at) with a Point: draws its indeterminates from it,
     computes both sides by roads of their own, and says at.equal("what", left, right) for each

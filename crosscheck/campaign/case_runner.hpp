@@ -22,13 +22,15 @@ inline bool isRight(const std::string& verdict) {
 
     Its record is a JSON object in one line: `case`, `of`, `name`, `verdict` ("agree", "disagree",
     "not answerable", "failed"), and
-      of mechanisms  `rates`, `depth`, `branches` (most joints on one link), `kinds`, `exact` checks,
+      of mechanisms  `rates`, `depth`, `branches` (most joints on one link), `kinds`, `exact`
+      checks,
                      `not_answerable`, `chance`, `comparisons` in double, and `pairs`, a bit each of
                      pairsOf() in hexadecimal digits, the first digit the first four
       of scenes      `checks`, `exact`
       of commands    `status`
-    What disagrees has a `cause` besides (equal for what is probably one fault), `failure` (in words,
-    and how to see it again), and a mechanism `small`, the scene that smaller() makes of it. */
+    What disagrees has a `cause` besides (equal for what is probably one fault), `failure` (in
+    words, and how to see it again), and a mechanism `small`, the scene that smaller() makes of
+    it. */
 class CaseRunner {
  public:
   /// @param program  of dynwitness, for commands

@@ -32,7 +32,8 @@ std::string campaignVersion();
     with their number; one that crashes or takes longer than the plan allows is written down as
     failed.
 
-    @param done  called with the number of cases that are done, before and now, and that of the shard
+    @param done  called with the number of cases that are done, before and now, and that of the
+    shard
     @throws scene::InputError   the folder cannot be written to or is of another campaign, or the
                                 shard is being done by another process
     @throws std::runtime_error  the disk is full: what is written stays */

@@ -41,16 +41,17 @@ inline constexpr int kChartBatches = 20, kChartRounds = 5;
 /** Lets every method compute the same quantity at the same states in the same run.
 
     All start from q, qd and qdd (or tau) as numbers, so that cosines, sines and the places of links
-    (position kinematics) are in the time, and end with the numbers of the quantity. In double: the closed form evaluated as it is printed
-    (up to three joints; every cosine and product where it stands), the derived straight-line
-    program, the sweep, for qdd also the mass matrix with L D L', the fast sweeps, the kernel one state
-    at a time and all states of a batch in lanes, and the outside engines among `kinds`: their errors
-    are those of Witness::value(), their times those of their own calls (raw_engines.hpp), or where
-    an engine is not called so, of Witness::value(), which its name then says. The closed form and the program solve for qdd by L D L'. The
-    sweep also runs in float, long double, 50 decimal digits and balls of 128 bits. Programs are
-    interpreted here; compiled ones are faster. Of programs that are asked (engine_protocol.hpp) it is
-    wall time, with all that is said, a batch at a time. Rounds over all methods are repeated, so that a
-    change of the machine's pace meets all of them.
+    (position kinematics) are in the time, and end with the numbers of the quantity. In double: the
+    closed form evaluated as it is printed (up to three joints; every cosine and product where it
+    stands), the derived straight-line program, the sweep, for qdd also the mass matrix with L D L',
+    the fast sweeps, the kernel one state at a time and all states of a batch in lanes, and the
+    outside engines among `kinds`: their errors are those of Witness::value(), their times those of
+    their own calls (raw_engines.hpp), or where an engine is not called so, of Witness::value(),
+    which its name then says. The closed form and the program solve for qdd by L D L'. The sweep
+    also runs in float, long double, 50 decimal digits and balls of 128 bits. Programs are
+    interpreted here; compiled ones are faster. Of programs that are asked (engine_protocol.hpp) it
+    is wall time, with all that is said, a batch at a time. Rounds over all methods are repeated, so
+    that a change of the machine's pace meets all of them.
 
     @param quantity  one of chartedQuantities()
     @throws std::invalid_argument  on another quantity

@@ -10,6 +10,7 @@
 #include "crosscheck/cli/held_joints.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/uncertain_parameters.hpp"
 #include "crosscheck/reduction/advice.hpp"
 #include "crosscheck/reduction/fixed_point.hpp"
 #include "crosscheck/report/text.hpp"
@@ -71,6 +72,7 @@ int runFixedPoint(const Arguments& arguments) {
   scene::Scene scene = admitted(arguments.scene, Command::kReduce);
   requireMotion(scene);
   std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
+  tellNominalParameters(arguments.scene, scene);
   tellHeldJoints(scene::fixHeldJoints(&scene, &ranges), scene);
   FixedPoint fixed;
   {
@@ -100,6 +102,7 @@ int run(const Arguments& arguments) {
   const std::vector<scene::JointRanges> ranges = scene::hasEnvelope(scene)
                                                      ? envelopeOf(arguments.scene, scene)
                                                      : std::vector<scene::JointRanges>();
+  tellNominalParameters(arguments.scene, scene);
   AdviceOptions options = arguments.options;
   options.draws = !arguments.folder.empty();
   Advice advice;

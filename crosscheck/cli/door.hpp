@@ -40,7 +40,8 @@ scene::Scene readScene(const GivenScene& given,
 /** The scene of which numbers are asked: each joint has to move inertia only where they take the
     inverse of M.
     @param solved  a quantity that does, "qdd"; empty: none
-    @throws scene::InputError  as readScene(); of a joint that moves no inertia with what was asked */
+    @throws scene::InputError  as readScene(); of a joint that moves no inertia with what was
+    asked */
 scene::Scene readSceneFor(const GivenScene& given, const std::string& solved);
 
 /// [envelope] of its file for the scene as it is read: ranges are expressions in the parameters

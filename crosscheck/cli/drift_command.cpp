@@ -240,7 +240,8 @@ Run addDrift(CLI::App* command) {
   command->footer(
       "Examples:\n"
       "  dynwitness drift furuta_pendulum --method runge_kutta4,gauss_6 --plot drift.svg\n"
-      "  dynwitness drift simple_pendulum --method stormer_verlet,gauss_4 --step 0.07 --plot swings.svg\n"
+      "  dynwitness drift simple_pendulum --method stormer_verlet,gauss_4 --step 0.07 \\\n"
+      "    --plot swings.svg\n"
       "  dynwitness drift double_pendulum --motion coarse.csv,fine.csv --plot energy.svg\n"
       "  dynwitness drift double_pendulum --advise 0.001\n\n" +
       integratorTable() +

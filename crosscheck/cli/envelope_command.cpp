@@ -107,9 +107,10 @@ Run addEnvelope(CLI::App* command) {
       "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
       "included; 'at least' is what the sweeps answer at the worst state that was\n"
       "seen. Along a file's motion it holds as far as that stays, between two rows,\n"
-      "within the box of both. [envelope.parameters] of the file (m2 = { relative = 0.1 }) names\n"
-      "parameters that may be another number; not for qdd. Exit status 1: the ratio was not reached within --boxes.\n"
-      "--set of a parameter changes [envelope] where it stands there; a base that floats, by\n"
+      "within the box of both. [envelope.parameters] of the file\n"
+      "(m2 = { relative = 0.1 }) names parameters that may be another number; not for\n"
+      "qdd. Exit status 1: the ratio was not reached within --boxes. --set of a\n"
+      "parameter changes [envelope] where it stands there; a base that floats, by\n"
       "--root or --base, has no ranges there, and is refused.");
   return [arguments] { return run(*arguments); };
 }

@@ -11,6 +11,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/share.hpp"
+#include "crosscheck/cli/uncertain_parameters.hpp"
 #include "crosscheck/reduction/reduce.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
@@ -69,6 +70,7 @@ int run(Arguments arguments) {
   scene::Scene scene = admitted(arguments.scene, Command::kReduce);
   requireMotion(scene);
   std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
+  tellNominalParameters(arguments.scene, scene);
   tellHeldJoints(scene::fixHeldJoints(&scene, &ranges), scene);
   Reduction reduction;
   {

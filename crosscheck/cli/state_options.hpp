@@ -36,8 +36,8 @@ int placeMeant(const std::string& option, const std::string& name,
 
         --q 0.3,pi/2          --q elbow=0.3           --q q4=1,q5=0
 
-    by that of the joint ("joint.turn" where it has several rates) or by place. Those that are not named
-    are what they would be without the option. */
+    by that of the joint ("joint.turn" where it has several rates) or by place. Those that are not
+    named are what they would be without the option. */
 class StateOption {
  public:
   enum class Part { kQ, kQd, kQdd, kTau };

@@ -14,8 +14,8 @@
 namespace dynwitness::cli {
 
 /** Counts answers to which rounding leaves too few digits: in double, and by the same sweep in
-    float. By the sweep's estimate where it has one; otherwise by the answer's own bound, which costs
-    many times the sweep. */
+    float. By the sweep's estimate where it has one; otherwise by the answer's own bound, which
+    costs many times the sweep. */
 class UncertainAnswers {
  public:
   UncertainAnswers(const scene::Scene& scene, const std::vector<EvaluatedColumn>& columns);

@@ -2,7 +2,11 @@
 // [envelope.parameters] of a scene as the command line gives it.
 #pragma once
 
+#include <cstdio>
+#include <filesystem>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "crosscheck/cli/door.hpp"
 #include "scene/uncertain_parameters.hpp"
@@ -16,6 +20,18 @@ inline std::vector<scene::UncertainParameter> uncertainParametersOf(const GivenS
       given.isAsWritten() ? scene.file
                           : scene::findScene(given.name, scene::InertiaNeed::kOfNoJoint).file,
       scene);
+}
+
+/// Where a command takes them at the values that they have, whatever else they may be.
+inline void tellNominalParameters(const GivenScene& given, const scene::Scene& scene) {
+  const std::filesystem::path file =
+      given.isAsWritten() ? scene.file
+                          : scene::findScene(given.name, scene::InertiaNeed::kOfNoJoint).file;
+  if (scene::hasUncertainParameters(file))
+    fmt::print(stderr,
+               "{}: [envelope.parameters] is left out: what is proven holds for the numbers as "
+               "they are, not for others that these may be\n",
+               scene.name);
 }
 
 }  // namespace dynwitness::cli

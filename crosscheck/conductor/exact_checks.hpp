@@ -14,8 +14,9 @@ namespace dynwitness::crosscheck {
 
     A point is a prime, a state, and a value for whatever of the scene's numbers has no place in a
     field (FieldNumbers); it is a pure function of (scene name, seed, index). A point at
-    which a check divides by zero is drawn again, for that check. errorProbability() in formula_sizes.hpp
-    says what the chance is a chance of, and why no formula that differs is exempt from it.
+    which a check divides by zero is drawn again, for that check. errorProbability() in
+    formula_sizes.hpp says what the chance is a chance of, and why no formula that differs is exempt
+    from it.
 
     @return  one result a pair and quantity ("same") and one an identity, unit "exact"; `states` and
       `exact` say at how many points the residual was zero, or at which it was not. A check is

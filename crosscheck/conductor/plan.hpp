@@ -29,8 +29,8 @@ struct Plan {
 Plan planFor(const scene::Scene& scene, const Options& options);
 
 /** About how long one processor takes for the crosscheck of a scene [s]: states cost n^2 each,
-    exact checks up to n^3. The factors were measured with all witnesses, on scenes of 2 to 31 joints
-    at 10 and 100 states (within a factor of two); fewer witnesses take less. */
+    exact checks up to n^3. The factors were measured with all witnesses, on scenes of 2 to 31
+    joints at 10 and 100 states (within a factor of two); fewer witnesses take less. */
 double expectedSeconds(const scene::Scene& scene, const Plan& plan);
 
 }  // namespace dynwitness::crosscheck

@@ -35,9 +35,10 @@ struct HardestOptions {
 };
 
 /** Searches, for each engine and quantity, by worstState(): without slopes, seeded, over the ranges
-    that states are drawn from; then each engine is asked at what was found for the others. It proves nothing about states that it did not look at. Engines that
-    refuse the scene, and quantities that are 0 wherever the search looked, are in
-    golden.left_out. Costs some 200 certified truths an engine and quantity.
+    that states are drawn from; then each engine is asked at what was found for the others. It
+    proves nothing about states that it did not look at. Engines that refuse the scene, and
+    quantities that are 0 wherever the search looked, are in golden.left_out. Costs some 200
+    certified truths an engine and quantity.
     @param scene  a tree, no joint of which follows another */
 Hardest hardestStates(const scene::Scene& scene, const HardestOptions& options);
 

@@ -210,8 +210,8 @@ struct StatesReader::Parts {
   }
 
   /** What columns may be called by joints: "elbow" and "elbow.q" are q of that joint, "elbow.qd"
-      its rate, "elbow.qdd", "elbow.tau"; "hip.turn.qd" where a joint has several. Without joints whose
-      positions are not counted as their rates are, and in dynwitness' own coordinates. */
+      its rate, "elbow.qdd", "elbow.tau"; "hip.turn.qd" where a joint has several. Without joints
+      whose positions are not counted as their rates are, and in dynwitness' own coordinates. */
   std::unordered_map<std::string, std::string> columnsOfJoints() const {
     std::unordered_map<std::string, std::string> columns;
     if (coordinates || mechanism->positions() != mechanism->dof()) return columns;

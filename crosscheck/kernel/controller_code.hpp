@@ -97,9 +97,9 @@ inline constexpr int kMostWritten = 20000;
 
 /** The programs of a scene's quantities, to be written in a language.
 
-    tau, qdd, M, c, g: the smallest road (roads.hpp), friction of joints apart, whose sign no program
-    has. C, Y, derivatives and kinematics: the sweeps of recursive/, written down and regrouped
-    (factored()), derivatives on base parameters where that is less.
+    tau, qdd, M, c, g: the smallest road (roads.hpp), friction of joints apart, whose sign no
+    program has. C, Y, derivatives and kinematics: the sweeps of recursive/, written down and
+    regrouped (factored()), derivatives on base parameters where that is less.
     What does not depend on the state is no part of a call: all numbers of the scene are folded, or
     they are fields of a struct, and what depends on these alone is computed once, by NAME_init. */
 class ControllerCode {
@@ -114,9 +114,9 @@ class ControllerCode {
   CodeCount count(const CodeFunction& function) const;
 
   /** Answers of recursive/'s own sweeps (newton_euler, composite_body, articulated_body) on
-      RunningError at states, and how far an answer of this code may lie from them: its own bound, that
-      of exactly these operations on these literals in that scalar, plus theirs. The code's cosines and
-      sines are taken to be within 1 ulp. */
+      RunningError at states, and how far an answer of this code may lie from them: its own bound,
+      that of exactly these operations on these literals in that scalar, plus theirs. The code's
+      cosines and sines are taken to be within 1 ulp. */
   std::vector<GoldenCase> golden(const std::vector<scene::State<double>>& states,
                                  CodeScalar scalar) const;
 

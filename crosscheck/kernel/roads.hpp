@@ -45,7 +45,8 @@ struct Road {
 
 /** All roads to a formula:
       lean sweep       Newton-Euler with body-point accelerations and composite moments of mass, on
-                       base parameters, with origins and units where they save most (lean_sweeps.hpp)
+                       base parameters, with origins and units where they save most
+                       (lean_sweeps.hpp)
       traced sweep     the sweeps of recursive/ as they are (for FD the articulated bodies)
       traced on base   the same on the base parameters
       Lagrange         the derivation of symbolic/

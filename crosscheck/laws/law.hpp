@@ -44,7 +44,8 @@ struct TwoSides {
     The two sides are written once for any scalar; nothing in them is specific to rounding. Where
     one divides by zero and its scalar throws std::domain_error, that is its failure. (A scalar that
     goes on, as RunningError does, gives sides without a finite bound.) A law that needs more than a
-    state has says so in `failure`; one that some mechanisms do not have at all hides appliesTo(). */
+    state has says so in `failure`; one that some mechanisms do not have at all hides
+    appliesTo(). */
 struct Law {
   static bool appliesTo(const scene::Mechanism&) { return true; }
 };

@@ -274,7 +274,8 @@ ClosedMotion::Solution ClosedMotion::solvedHeld(bool all, const Vector& f, const
 }
 
 /** Rows that others imply are left to these. They hold where half of the digits agree of all that
-    is summed up:  J (M^-1 f + M^-1 J' (lambda, nu)),  whose parts may be much larger than their sum.
+    is summed up:  J (M^-1 f + M^-1 J' (lambda, nu)),  whose parts may be much larger than their
+    sum.
     @throws std::runtime_error  one does not */
 void ClosedMotion::requireHeld(const Solution& solution, const Vector& f,
                                const Vector& asked) const {

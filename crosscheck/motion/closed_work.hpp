@@ -28,8 +28,8 @@ struct ClosedMethod {
 const std::vector<ClosedMethod>& closedMethods();
 
 /** The end of a motion by Fehlberg's method on index 1 with projection at the smallest step error
-    that double serves, and by Radau IIA of order 5 on index 2 with equal steps that are halved until
-    the end no longer comes nearer: of the first. Published positions at that time
+    that double serves, and by Radau IIA of order 5 on index 2 with equal steps that are halved
+    until the end no longer comes nearer: of the first. Published positions at that time
     (data/reference/motion) are compared with it.
     @throws std::runtime_error  they do not agree to six places, or one does not arrive */
 ReferenceMotion closedReference(const scene::Scene& scene, double duration);

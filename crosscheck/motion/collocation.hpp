@@ -70,9 +70,9 @@ struct Tableau {
 
         k_i = f(z_0 + h sum_j a_ij k_j),   z_1 = z_0 + h sum_j b_j k_j
 
-    with sum_j a_ij c_j^(m-1) = c_i^m / m and b the same at c = 1. At Gauss's nodes z is (q, p, work)
-    where there are momenta; otherwise, and at Radau's, y. Newton's method with a matrix that is kept
-    as long as the updates fall to half; with a new one it ends where they fall no more. */
+    with sum_j a_ij c_j^(m-1) = c_i^m / m and b the same at c = 1. At Gauss's nodes z is (q, p,
+    work) where there are momenta; otherwise, and at Radau's, y. Newton's method with a matrix that
+    is kept as long as the updates fall to half; with a new one it ends where they fall no more. */
 template <typename T>
 class Collocation : public Steps<T> {
  public:

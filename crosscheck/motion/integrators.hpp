@@ -53,7 +53,8 @@ std::string integratorTable();
         implicit_euler, radau_iia_3, radau_iia_5   at Radau's
         lie_runge_kutta4     Munthe-Kaas: the classical stages for u in q = q_0 exp(u),
                              u' = v + [u, v] / 2 + [u, [u, v]] / 12: quaternions keep their length
-    @see E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration (2006), VI.6 (Verlet), II.1
+    @see E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration (2006), VI.6 (Verlet),
+    II.1
       (collocation), IV.8 (Lie groups);
          J. E. Marsden, M. West, Acta Numerica 10 (2001) 357-514 */
 template <typename T>

@@ -18,7 +18,8 @@
 namespace dynwitness::crosscheck {
 
 /** Of a joint, with the link that it moves, in the axes of the moved joint frame (or others,
-    joint_axes.hpp) about its origin (where reactions are, too), linear part first; a joint of several axes is one joint.
+    joint_axes.hpp) about its origin (where reactions are, too), linear part first; a joint of
+    several axes is one joint.
       X      6 x 6: motions in the frame of the parent's joint (the world's) to motions in this one
       M_i    6 x 6: inertia of the link
       M_C    6 x 6: composite, of all that hangs on the joint, joints locked

@@ -38,7 +38,8 @@ class MotionEquations {
   /** Moves the positions of y as constant rates u do in a time of one: an addition where rates are
       derivatives of positions; for spherical and floating joints, exactly
 
-          R <- R exp(w^),   p <- p + R (1 + (1 - cos a) / a^2 w^ + (a - sin a) / a^3 w^2) v,   a = |w| */
+          R <- R exp(w^),  p <- p + R (1 + (1 - cos a) / a^2 w^ + (a - sin a) / a^3 w^2) v,  a =
+          |w| */
   virtual void move(State* y, const State& u) const = 0;
   /// Commutator of rates: of joints of several axes (v_1, w_1), (v_2, w_2) it is (w_1 x v_2 + v_1 x
   /// w_2, w_1 x w_2), of others zero.

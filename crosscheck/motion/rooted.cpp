@@ -87,8 +87,8 @@ recursive::MatrixX<PrimeField> freeMass(const scene::Scene& scene, std::uint64_t
 
 /** The rates of a motion that moves no inertia in any state; none where M of the free rates is
     regular but in some states. Decided in one random state over a random field: an entry of M turns
-    an inertia twice by each joint, so that det M has degree 4 n at most in each of the numbers drawn
-    (some ten a joint), and one that is not 0 everywhere is so there with a probability below
+    an inertia twice by each joint, so that det M has degree 4 n at most in each of the numbers
+    drawn (some ten a joint), and one that is not 0 everywhere is so there with a probability below
     40 n^2 / 2^62 = 1e-17 n^2 (J. T. Schwartz, J. ACM 27 (1980) 701). */
 std::vector<int> idleMotion(const scene::Scene& scene) {
   std::vector<int> free;

@@ -58,7 +58,7 @@ StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const s
 
 StepGain gainOfModified(TreeMotion<double>& motion, const Vector& start, const std::string& method,
                         double duration, double h, double enough) {
-  constexpr double kStepError = 1e-4;  // of a gain that is compared with all of the energy
+  constexpr double kStepError = 1e-4;  // of the state a step, beside gains as large as all energy
   constexpr int kMostSteps = 1 << 16;
   const auto step = stepsOf<double>(method, motion),
              exact = stepsOf<double>("runge_kutta_dopri5", motion);
@@ -95,6 +95,7 @@ StepGain gainOfModified(TreeMotion<double>& motion, const Vector& start, const s
     const double gained = motion.energy(y) - E_0;
     out.gained = std::isfinite(gained) ? std::max(out.gained, gained) : kAny;
   }
+  if (time < duration && out.gained <= enough) return {kAny, false};  // not followed to its end
   return out;
 }
 

@@ -31,10 +31,10 @@ struct StepGain {
     Along a motion that keeps its energy this is what steps add to it. Of a symplectic method each
     term is a difference of what its modified energy is apart from E (Hairer, Lubich, Wanner,
     Geometric Numerical Integration, 2006, IX.3), and the sum is how far E swings; states have to be
-    a fraction of the fastest oscillation apart for that. But its steps go along levels of the modified energy,
-    and from those of E they gain on the whole, to the second order in what these are apart. A step
-    back gains as much, so that of these methods, which are symmetric, Phi_-h being the inverse of
-    Phi_h,
+    a fraction of the fastest oscillation apart for that. But its steps go along levels of the
+    modified energy, and from those of E they gain on the whole, to the second order in what these
+    are apart. A step back gains as much, so that of these methods, which are symmetric, Phi_-h
+    being the inverse of Phi_h,
 
         (apart / h) (E(Phi_h(y)) - E(Phi_-h(y))) / 2   is added up.
 
@@ -55,7 +55,8 @@ StepGain gainAlong(TreeMotion<double>& motion, const StatesAlong& along, const s
     and 2). The bracket is the logarithm of 1 + d to its second order, and stands in the middle so
     that it and f commute to that order (Strang's splitting). Its own steps are as long as its
     solution allows, whatever h is.
-    @return the largest gain of energy up to `duration` or `enough`
+    @return the largest gain of energy up to `duration` or `enough`; infinity: it left the numbers,
+      or was not followed to its end in 65536 steps of its own, and is not called stable
     @see Hairer, Lubich, Wanner, IX.1 */
 StepGain gainOfModified(TreeMotion<double>& motion, const std::vector<double>& start,
                         const std::string& method, double duration, double h, double enough);

@@ -49,7 +49,8 @@ struct Deviations {
 
 /** Deviations of what a tree answers, all its joints free, by derivatives that are exact (dual
     numbers through the sweeps): the squares of the changes by each error of one deviation, summed.
-    Friction, springs and loads are what the scene says. tau is at the state's qdd, all others at its tau. */
+    Friction, springs and loads are what the scene says. tau is at the state's qdd, all others at
+    its tau. */
 class UncertainQuantities {
  public:
   /// @param of  whose joints and axes joints() is about, outlives this; none: it is not asked

@@ -42,9 +42,9 @@ constexpr auto kNothing = [](const auto&) {};
 constexpr long kFirstSteps = 16;
 constexpr int kFewestDigits = 6;  // decimal places to which a reference is known
 /* An observed order is within a tenth of its limit where no more than half of that is another
-   error's and half the next power's. One part of rounding, or of the reference, in 30 of error moves it by
-   log2(1 + 1/30) = 0.047. A next term, smaller by h^k, k >= 1, moves it by less than it has changed
-   by at the last halving. */
+   error's and half the next power's. One part of rounding, or of the reference, in 30 of error
+   moves it by log2(1 + 1/30) = 0.047. A next term, smaller by h^k, k >= 1, moves it by less than it
+   has changed by at the last halving. */
 constexpr double kAboveRounding = 30, kSettled = 0.05;
 
 /// Steps halved until two ends are no nearer to each other than those before.

@@ -24,8 +24,8 @@ Eigen::MatrixXd regressorAt(const scene::Mechanism& mechanism,
                             const scene::State<double>& state);
 
 /** Whether, at a random point of a prime field, changes of qdd at given tau (by dual numbers
-    through the articulated-body sweep) are those of tau at given qdd: for every inertial parameter and every
-    error of a placement,
+    through the articulated-body sweep) are those of tau at given qdd: for every inertial parameter
+    and every error of a placement,
 
         M d qdd + d tau = 0
 

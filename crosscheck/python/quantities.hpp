@@ -16,8 +16,8 @@ namespace dynwitness::python {
 /** A scene, made ready once. It does not change and may be used from several threads at once, each
     with a Room of its own.
 
-    Arrays of q have positions() numbers, those of qd, qdd and tau dof(); matrices are written row by
-    row; SI units, and rates of spherical and floating joints as everywhere in dynwitness. */
+    Arrays of q have positions() numbers, those of qd, qdd and tau dof(); matrices are written row
+    by row; SI units, and rates of spherical and floating joints as everywhere in dynwitness. */
 class Quantities {
  public:
   explicit Quantities(scene::Scene scene);

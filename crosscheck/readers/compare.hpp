@@ -72,10 +72,10 @@ std::string cellOf(const ReaderResult& reader, const std::string& link);
 std::string effectText(const Misreading& finding);
 
 /** Reads a URDF or MJCF by every reader and compares: the tree, joints (kinds, places, axes,
-    limits, damping, friction, armature, springs, followers), mass, centre of mass and inertia of each moving
-    body after lumping fixed joints, gravity; then each reader's own M and g with those of what it
-    shows, at seeded states. Of one that shows nothing, what it has read is found from its M and g
-    (answers.hpp). Each reads in a copy of this process.
+    limits, damping, friction, armature, springs, followers), mass, centre of mass and inertia of
+    each moving body after lumping fixed joints, gravity; then each reader's own M and g with those
+    of what it shows, at seeded states. Of one that shows nothing, what it has read is found from
+    its M and g (answers.hpp). Each reads in a copy of this process.
     @throws InputError  our own reader refuses the file, or nothing moves in it */
 ReadersResult examineReaders(const std::string& text, const std::filesystem::path& file,
                              const std::vector<Reader>& readers, int states, std::uint64_t seed,

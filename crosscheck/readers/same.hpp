@@ -45,9 +45,9 @@ struct SameResult {
 };
 
 /** Compares two open trees. Joints are matched by name, or, where names differ, by structure: kinds
-    and places at q = 0, from the base outward. Link frames, order and fixed links may differ: all is
-    seen in the frames that the links have at q = 0. That inverse dynamics are the same functions of
-    q, qd, qdd is decided over the prime field, which is equality of all base parameters.
+    and places at q = 0, from the base outward. Link frames, order and fixed links may differ: all
+    is seen in the frames that the links have at q = 0. That inverse dynamics are the same functions
+    of q, qd, qdd is decided over the prime field, which is equality of all base parameters.
     @throws scene::InputError  a scene has closures, springs between points, loads, drives or
       acceleration constraints, or nothing moves */
 SameResult compareDescriptions(const Description& a, const Description& b, int states,

@@ -17,8 +17,8 @@ namespace dynwitness::crosscheck {
 
         f(q) + springs(q) + sum a_j(q) qdd_j + sum_{j<=k} c_jk(q) qd_j qd_k + friction_i(qd_i)
 
-    which tau, M, c, g, T, V, T + V and reactions of a tree of turning and sliding joints all are; or
-    qdd = M^-1 (tau - c - g - friction) (acceleration.hpp). */
+    which tau, M, c, g, T, V, T + V and reactions of a tree of turning and sliding joints all are;
+    or qdd = M^-1 (tau - c - g - friction) (acceleration.hpp). */
 struct EnvelopeQuantity {
   enum class Kind { kTau, kM, kC, kG, kT, kV, kEnergy, kReaction, kQdd };
   Kind kind = Kind::kTau;

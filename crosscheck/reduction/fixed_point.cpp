@@ -81,8 +81,10 @@ class Planner {
       for (std::size_t s = 0; s < out_.signals.size(); ++s) {
         FixedSignal& signal = out_.signals[s];
         const RunningError& x = slot(static_cast<int>(s));
-        const double low = x.value() - x.bound() * (1 + kLibrary),
-                     high = x.value() + x.bound() * (1 + kLibrary);
+        // the sums below round, too
+        const double reach = x.bound() * (1 + kLibrary) +
+                             2 * RunningError::kUnitRoundoff * (std::abs(x.value()) + x.bound());
+        const double low = x.value() - reach, high = x.value() + reach;
         signal.low = is_first ? low : std::min(signal.low, low);
         signal.high = is_first ? high : std::max(signal.high, high);
       }

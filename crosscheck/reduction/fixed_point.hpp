@@ -52,14 +52,15 @@ struct FixedPoint {
     a shift.
 
     Ranges: the program in ball arithmetic over boxes that divide the envelope in q. Errors: with a
-    bound e of what each signal is off, a sum's is e_a + e_b, a product's |a| e_b + |b| e_a + e_a e_b,
-    and half a unit of the last place where bits are dropped; inputs are the nearest to the exact
-    numbers. Over each box with its own |a|, |b|; the largest of all boxes is what is certified.
-    Fraction bits: as many that each rounding may make the same share of the error, by its
-    derivative at sampled states; then less of the error until what is certified is within it.
-    Samples choose bits; what is promised is proven by the balls alone.
+    bound e of what each signal is off, a sum's is e_a + e_b, a product's
+    |a| e_b + |b| e_a + e_a e_b, and half a unit of the last place where bits are dropped; inputs
+    are the nearest to the exact numbers. Over each box with its own |a|, |b|; the largest of all
+    boxes is what is certified. Fraction bits: as many that each rounding may make the same share of
+    the error, by its derivative at sampled states; then less of the error until what is certified
+    is within it. Samples choose bits; what is promised is proven by the balls alone.
 
-    The code is compiled and run at random states and corners of the envelope beside the sweep of
+    The code is compiled and run at random q, at random and extreme qd and qdd of the envelope,
+    beside the sweep of
     recursive/ in double.
     @param error  of each tau_i [N m, N]
     @throws scene::InputError  as envelopeBounds() and reduced(); the program divides; a product or

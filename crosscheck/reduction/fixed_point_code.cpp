@@ -84,6 +84,7 @@ class Writer {
   }
   std::string raised(int slot, int fraction) const {
     const int by = fraction - at(slot).fraction;
+    if (by >= 63) return "0";  // what is not 0 would be of more bits than were held to fit
     return by == 0 ? "(int64_t)" + operand(slot)
                    : fmt::format("(int64_t){} * (INT64_C(1) << {})", operand(slot), by);
   }

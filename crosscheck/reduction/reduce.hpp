@@ -102,7 +102,8 @@ struct ReduceOptions {
     boundOfParts() alone.
 
     Of qdd (reduced_acceleration.hpp) the models are scenes without terms.
-    @throws scene::InputError  as envelopeBounds(); an allowed error within roundings; Coulomb friction,
+    @throws scene::InputError  as envelopeBounds(); an allowed error within roundings; Coulomb
+    friction,
       which programs have no sign for; of qdd: no range of tau, no bound of qdd, Armstrong's rule */
 Reduction reduced(const scene::Scene& scene, const std::vector<scene::JointRanges>& ranges,
                   const ReduceOptions& options,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -443,6 +444,7 @@ std::vector<std::vector<std::string>> jointCells(const scene::Scene& scene,
   for (const std::string& name : columns) {
     const auto column = std::find_if(joints.columns.begin(), joints.columns.end(),
                                      [&](const Table::Column& c) { return c.name == name; });
+    if (column == joints.columns.end()) throw std::logic_error("jointCells: no column " + name);
     const std::ptrdiff_t k = column - joints.columns.begin();
     for (std::size_t i = 0; i < cells.size(); ++i)
       cells[i].push_back(*(joints.rows[i].begin() + k));

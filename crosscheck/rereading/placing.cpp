@@ -11,7 +11,8 @@ namespace dynwitness::crosscheck::rereading {
 namespace {
 
 /** Roundings, of kLoss each, that an entry of a matrix here sees at most: of a product of two 3 x 3
-    matrices 5 (in the 2-norm 3 times that), of a matrix as printed 4 of sines and 5 of operations. */
+    matrices 5 (in the 2-norm 3 times that), of a matrix as printed 4 of sines and 5 of
+    operations. */
 constexpr double kRoundings = 32;
 
 double size(const Real& x) {

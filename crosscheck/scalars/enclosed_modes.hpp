@@ -33,17 +33,18 @@ struct EnclosedModes {
     then certified as a whole (Arb's acb_mat_eig_simple), and where eigenvalues are
     multiple, or too near to each other for what the entries leave open, Rump's enclosures of
     clusters (acb_mat_eig_multiple), of each block by itself that zeros of A leave: coordinates that
-    drive each other in a circle. Where a cluster defies that, each eigenvalue by itself (Rump again),
-    and those of the cluster are approximations.
+    drive each other in a circle. Where a cluster defies that, each eigenvalue by itself (Rump
+    again), and those of the cluster are approximations.
     @param B  rows as A, any number of columns
     @see J. van der Hoeven, B. Mourrain, Efficient certification of numeric solutions to
-         eigenproblems (2017); S. M. Rump, Computational error bounds for multiple or nearly multiple eigenvalues, Linear
-         Algebra and its Applications 324 (2001) */
+         eigenproblems (2017); S. M. Rump, Computational error bounds for multiple or nearly
+         multiple eigenvalues, Linear Algebra and its Applications 324 (2001) */
 EnclosedModes enclosedModes(const Bounded& A, const Bounded& B);
 
 /** Those of [0 1; K 0], K n x n, from the eigenvalues mu of K: lambda = +- sqrt(mu), with
-    (v, lambda v) on the right and (lambda w, w) on the left; `reached` is of w. What oscillates without loss lies on the axis
-    exactly, and a root that is 0 twice, with one eigenvector, is a single one of K.
+    (v, lambda v) on the right and (lambda w, w) on the left; `reached` is of w. What oscillates
+    without loss lies on the axis exactly, and a root that is 0 twice, with one eigenvector, is a
+    single one of K.
     @param B  the lower half of that of A, n rows */
 EnclosedModes enclosedOscillations(const Bounded& K, const Bounded& B);
 

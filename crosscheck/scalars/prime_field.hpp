@@ -34,11 +34,11 @@ class FormulaSizes;
     is no order and no size: a residual is zero or it is not. Elements made under one prime mean
     nothing under another.
 
-    In the scope of FormulaSizes it is the size of the formula that makes the element, which says how
-    many random elements are enough. So both come from one code, compiled once.
+    In the scope of FormulaSizes it is the size of the formula that makes the element, which says
+    how many random elements are enough. So both come from one code, compiled once.
 
-    The innermost scope of the thread decides. An element is one word, passed in a register: sums are
-    made in place, products apart (prime_field.cpp), since a sweep on this type is large enough
+    The innermost scope of the thread decides. An element is one word, passed in a register: sums
+    are made in place, products apart (prime_field.cpp), since a sweep on this type is large enough
     without them. */
 class PrimeField {
  public:

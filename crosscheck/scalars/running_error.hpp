@@ -21,8 +21,8 @@ namespace dynwitness::crosscheck {
     One rounding of a result r is at most u |r|, u = 2^-53 (or half the smallest subnormal). Errors
     of operands are carried first order and second order: a b has |a| eb + |b| ea + ea eb. The bound
     is itself computed in double, so each operation inflates it by (1 + 8 u), more than its own few
-    roundings can lose. What is exactly zero stays so, and adds nothing: structural zeros with a bound of
-    some subnormal numbers would make most of a sweep's work theirs.
+    roundings can lose. What is exactly zero stays so, and adds nothing: structural zeros with a
+    bound of some subnormal numbers would make most of a sweep's work theirs.
 
     A sweep on this type therefore returns the numbers of the double sweep and their limits.
     @see N. Higham, Accuracy and Stability of Numerical Algorithms (2002), section 3.3 */

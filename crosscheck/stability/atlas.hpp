@@ -97,7 +97,8 @@ MatrixX<Ball> truthOf(const Family& family, const Case& given);
 /** All methods at all severities of a family, each in a copy of this process; between the last
     severity that it held and the first that it did not, bisection until they are within
     family.narrow.
-    @param chosen  of families of trees; whole mechanisms have roads of their own, and of the engines
+    @param chosen  of families of trees; whole mechanisms have roads of their own, and of the
+    engines
                    only those that are chosen
     @throws std::runtime_error  no truth can be certified */
 Turned turn(const Family& family, const std::vector<Method>& chosen, const Settings& settings);

@@ -220,7 +220,8 @@ constexpr int kFlipStepsOfSecond = 64;
 /** A free body, I = (1, 2, 3) kg m^2, from w = (1/s, 1, 0) rad/s to the middle of its flip, where
     w is (A, 0, -C):  w = (A dn, sn, C cn)(K + l t),  C^2 = 1/3,  A^2 = 1 + 1/s^2,  l^2 = A^2 / 3,
     k' = 1 / (s A),  reached at t = K / l; K = pi / (2 agm(1, k')).
-    @return largest error of w, back in principal axes, at steps whose own error is below rounding */
+    @return largest error of w, back in principal axes, at steps whose own error is below
+    rounding */
 double flipError(const Turn& turn, double s) {
   LinkWords body;
   body.joint = scene::JointKind::kSpherical, body.mass = "1";

@@ -13,8 +13,8 @@ namespace dynwitness::crosscheck {
 /** Motion near a state on what closures leave free.
 
     With dq and dqd along all rates, of closure equations those that stand for all (rows h fail at
-    positions, the others are of rates alone, scene::isOfRates), and every derivative by dual numbers
-    through the dense system of the sweeps,
+    positions, the others are of rates alone, scene::isOfRates), and every derivative by dual
+    numbers through the dense system of the sweeps,
 
         (1)  J_h dq = 0                             dq  = T_q z
         (2)  J dqd + d(J qd)/dq dq = 0              dqd = T_v w + K z

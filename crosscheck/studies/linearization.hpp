@@ -52,9 +52,10 @@ struct Linearization {
 std::vector<double> restingRates(const scene::Scene& scene);
 
 /** Entries of A and B in balls of as many bits as that takes, rounded to double with what that
-    leaves open; modes enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion
-    where it rests, and decided where every enclosure is left of the axis, or one is right of it.
-    Driven joints are where their motions put them at t = 0, q and qd are moved onto the closures.
+    leaves open; modes enclosed for everything within (enclosed_modes.hpp). Stability is that of the
+    linearized motion where it rests, and decided where every enclosure is left of the axis, or one
+    is right of it. Driven joints are where their motions put them at t = 0, q and qd are moved onto
+    the closures.
     @throws scene::InputError  what Command::kLinearize refuses; sizes and names that do not fit;
       closures that no small change closes; no equilibrium found */
 Linearization linearize(const scene::Scene& scene, const LinearizationOptions& options);

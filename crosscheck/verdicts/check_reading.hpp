@@ -31,8 +31,8 @@ WitnessInfo rereadingInfo(const std::string& version);
                      axes, with what fixed joints hold to it
         numbers      gravity, rotors, friction, springs, followers, loads, constraints, the start
 
-    Limits are the rounding of the scene's own road in double, proven by running errors, the rounding
-    of the 50 digits of the other one, and u for telling them in double.
+    Limits are the rounding of the scene's own road in double, proven by running errors, the
+    rounding of the 50 digits of the other one, and u for telling them in double.
 
     What the second road does not look at is a check of its own, left out with its name: so is the
     whole where there is no file, or no such road for its format.

@@ -14,9 +14,9 @@
 namespace dynwitness::crosscheck {
 
 /** From the tree with all joints let go, and geared rotors links of their own
-    (scene::withOwnRates), to the mechanism where some follow others. With G the constant matrix that makes all rates of the
-    independent ones (1 for a rate's own joint, k for its followers, its ratios for a rotor), all the
-    tree's quantities at  G qd, G qdd  become
+    (scene::withOwnRates), to the mechanism where some follow others. With G the constant matrix
+    that makes all rates of the independent ones (1 for a rate's own joint, k for its followers, its
+    ratios for a rotor), all the tree's quantities at  G qd, G qdd  become
 
         M = G' M_tree G      c = G' c_tree      g = G' g_tree      tau = G' tau_tree
 

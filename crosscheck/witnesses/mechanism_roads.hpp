@@ -22,8 +22,8 @@ namespace dynwitness::crosscheck {
         M qdd + c + g + friction = tau + Q + springs + J' lambda,    J qdd + gamma = 0 (= value)
 
     kConstraintForce is J' lambda of all constraints together, n, which is unique also where
-    redundant closures leave lambda undetermined. kReactions are what the joints of the tree transmit,
-    as Witness::answer has it, with the wrenches of all these forces on the links. */
+    redundant closures leave lambda undetermined. kReactions are what the joints of the tree
+    transmit, as Witness::answer has it, with the wrenches of all these forces on the links. */
 enum class MechanismQuantity {
   kQdd,              ///< n [rad/s^2, m/s^2]
   kConstraintForce,  ///< n [N m, N]
@@ -91,10 +91,10 @@ struct NamedRoad {
                          the accelerations that they have without qdd; one dense system, solved
                          here. Its own solver keeps constraints soft, and leaves these out
     Reactions: the first two by Newton and Euler with the constraints' wrenches as outer loads
-    (constrainedReactions()); lagrange_multipliers by multipliers of cut joints (symbolic::Reactions);
-    dense_system by sweeps through the mechanism whose joints are cut, and where joints follow others,
-    which the first two do not hold, as these; simbody by calcMobilizerReactionForces; mujoco
-    none. */
+    (constrainedReactions()); lagrange_multipliers by multipliers of cut joints
+    (symbolic::Reactions); dense_system by sweeps through the mechanism whose joints are cut, and
+    where joints follow others, which the first two do not hold, as these; simbody by
+    calcMobilizerReactionForces; mujoco none. */
 std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene);
 
 /** The certified truth: Lagrange's dense system in balls, the precision doubled until the radius of

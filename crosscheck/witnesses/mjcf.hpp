@@ -22,7 +22,7 @@ std::string mjcfJointFrame(int link);  ///< of a free joint alone: a body fixed 
         universal              hinge about x, hinge about y
         planar                 slide along x, along y, hinge
         spherical              ball
-        floating               free, where the parent rests in the world (such a body must be a child
+        floating  free, where the parent rests in the world (such a body must be a child
                                of MuJoCo's world); otherwise slides along x, y, z, ball
 
     Frames are formed in long double and printed with the 17 digits of a double.

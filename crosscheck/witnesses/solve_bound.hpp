@@ -57,8 +57,8 @@ inline scene::State<double> moving(scene::State<double> state, const Eigen::Matr
 
         kInertia = 3 * 24 + (3 * 6 + 2 * 8) turns  [u].                                          (3)
 
-    Of the turns of an engine one alone is the joint's motion, so that a quaternion adds 60 - 8 once:
-    2 (8 turns + 52) in place of 2 * 8 turns.
+    Of the turns of an engine one alone is the joint's motion, so that a quaternion adds 60 - 8
+    once: 2 (8 turns + 52) in place of 2 * 8 turns.
 
     So what the sweep has computed are the exact articulated inertias of links that err by blocks of
     that size. With the motion (v, w)_ki that a unit rate of joint i gives to the frame of link k,
@@ -98,8 +98,9 @@ inline scene::State<double> moving(scene::State<double> state, const Eigen::Matr
     A gyroscopic rotor couples a joint to its parent by h = n J, where D has n^2 J: h^2 / (n^2 J) =
     J is added to c^2, and n sqrt(J), at which the joint's own rate turns the rotor, to N_kk and,
     times that qdd, to E_k: a slide without mass outboard couples by nothing else. A rotor geared to
-    several rates does the same with each, sqrt(J) |n_i|, at the link of the rate and at its carrier,
-    whose c^2 has J. u^2 is left out: it needs n^3 u of the whole to matter, with n below 10^4.
+    several rates does the same with each, sqrt(J) |n_i|, at the link of the rate and at its
+    carrier, whose c^2 has J. u^2 is left out: it needs n^3 u of the whole to matter, with n below
+    10^4.
 
     How much of these limits is used is measured in test_backward_error.cpp and written there. */
 class SolveBound {

@@ -66,8 +66,8 @@ class Witness {
 
           Z'f = tau - d qdd - n J z'(dw/dt) - stiffness (q - rest) - friction(qd)
 
-      with the third term for a gyroscopic rotor only, w being its parent's angular velocity; a rotor
-      geared to several rates takes the same of each, n_k J (psi'' + a'(dw/dt)). */
+      with the third term for a gyroscopic rotor only, w being its parent's angular velocity; a
+      rotor geared to several rates takes the same of each, n_k J (psi'' + a'(dw/dt)). */
   virtual Answer answer(Quantity quantity, const scene::State<double>& state) = 0;
   /// answer().value, without the work for its bound where that can be left out: for timing.
   virtual Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {

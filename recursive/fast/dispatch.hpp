@@ -16,17 +16,19 @@ inline const bool kHasAvx2 = (__builtin_cpu_init(), __builtin_cpu_supports("avx2
 inline constexpr bool kHasAvx2 = false;
 #endif
 
-/** The same with AVX-512, which has such an instruction: the compiler is told to leave it. */
+/** The same with AVX-512, which has such an instruction: g++ is told to leave it. Clang cannot be
+    told from here what it makes of other headers' functions, and stays with AVX2. */
 #if defined(__x86_64__)
 #ifdef __clang__
 #define DYNWITNESS_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl")))
+inline constexpr bool kHasAvx512 = false;
 #else
 #define DYNWITNESS_FOR_AVX512 \
   __attribute__((target("avx512f,avx512dq,avx512vl"), optimize("fp-contract=off")))
-#endif
 inline const bool kHasAvx512 = (__builtin_cpu_init(), __builtin_cpu_supports("avx512f") &&
                                                           __builtin_cpu_supports("avx512dq") &&
                                                           __builtin_cpu_supports("avx512vl"));
+#endif
 #else
 #define DYNWITNESS_FOR_AVX512
 inline constexpr bool kHasAvx512 = false;

@@ -590,8 +590,8 @@ DYNWITNESS_FOR_AVX2 inline void inverseDynamicsDerivativesForAvx2(
     Summed over all that is outboard, with its mass m, h = int r, I, and
         (5)  P = int v,   N = int v r',   2 B y = (2 y x P,  2 (tr N - N) y)
     of rigid links v = v_J + w x r gives P = m v_J + w x h,  2 N = [w]x (tr I - 2 I) + 2 v_J h'.
-    From a joint to the one inboard of its parent, r becomes r + p and v becomes v + u, u = w_p x p + v_J
-    of the parent:
+    From a joint to the one inboard of its parent, r becomes r + p and v becomes v + u, u = w_p x p
+    + v_J of the parent:
         (6)  h += m p,  P += m u,  N += P p' + u (h + m p)',  I as ever
         (7)  F = (m z_v + z_w x h, I z_w + h x z_v)                         by qdd
              F_q  = (m chi_v + chi_w x h, I chi_w + h x chi_v) + 2 B psi_w

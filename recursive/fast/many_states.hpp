@@ -66,8 +66,10 @@ template <int N>
 DYNWITNESS_INLINE void scatter(const States<N>& from, const Strided<double>& to, std::size_t first,
                                int count, int number) {
   double* at = to.at + static_cast<std::ptrdiff_t>(first) * to.state + number * to.number;
-  for (int lane = 0; lane < N; ++lane, at += to.state)
-    if (lane < count) *at = from.v[lane];
+  for (int lane = 0;; at += to.state) {
+    *at = from.v[lane];
+    if (++lane == count) return;
+  }
 }
 
 /// What a sweep is asked.
@@ -138,7 +140,8 @@ inline int widestVectors() {
 }
 
 /** A mechanism that is decided when the program runs, made ready once, then asked at many states
-    at once: each gets the same bits as from Dynamics, one by one.
+    at once: each gets the same bits as from Dynamics, one by one (compiled as x86-64 is by default,
+    without FMA, or with -ffp-contract=off: which sums fuse is else the compiler's choice).
 
     Arrays are read and written where they stand (Strided), which may be NumPy's: q has
     model.positions numbers a state, qd, qdd, tau model.dof() each, M the square of that. They may

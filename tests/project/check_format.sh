@@ -24,7 +24,9 @@ if [[ -n $differing ]]; then
   printf 'not as %s has it: %s\n' "$formatter" $differing
   status=1
 fi
-long=$(awk 'length > 100 && /^ *(\/\/|\/\*|\*)/ {print FILENAME ":" FNR ": " length " columns, 100 allowed"}' "${files[@]}")
+long=$(awk 'FNR == 1 {inside = 0} /^ *\/\*/ {inside = 1}
+  length > 100 && (inside || /^ *\/\//) {print FILENAME ":" FNR ": " length " columns, 100 allowed"}
+  /\*\// {inside = 0}' "${files[@]}")
 if [[ -n $long ]]; then
   echo "$long"
   status=1

@@ -309,7 +309,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/motion/step_advice.cpp",
        {"1e-12", "1e-3", "1e-8"}},  // |R| - 1 that is a step's rounding; where scans begin
       {"crosscheck/motion/step_gains.cpp",
-       {"1e-4"}},  // asked of steps that adapt: of a gain that is compared with all of the energy
+       {"1e-4"}},  // asked of steps that adapt, of the state: gains as large as all energy are sought
       {"crosscheck/stability/families_shapes.cpp", {"1e-15"}},  // MuJoCo's own mjMINVAL
       {"crosscheck/motion/work_precision.cpp",
        {"1e-20", "1e-6", "1e-9"}},  // digits counted; from where differences must fall

@@ -119,7 +119,8 @@ class Bicycle {
 
        M q'' + v C1 q' + (g K0 + v^2 K2) q = 0
 
-   All printed digits: M to 1e-14 of its entries and so on, of which the solution by M keeps 1e-12. */
+   All printed digits: M to 1e-14 of its entries and so on, of which the solution by M keeps
+   1e-12. */
 BOOST_DATA_TEST_CASE(the_benchmark_bicycle_is_the_published_one,
                      data::make(std::vector<double>{0, 1, 2.5, 5, 10}), v) {
   Eigen::Matrix2d M, C1, K0, K2;
@@ -145,7 +146,8 @@ BOOST_DATA_TEST_CASE(the_benchmark_bicycle_is_the_published_one,
 /* Chaplygin's sleigh has a closed form: with the forward speed v of the blade, the turn w, the
    distance a to the centre of mass and J = I + m a^2,
 
-       v' = a w^2,   J w' = -m a v w,    v = V tanh(k (t - t0)),   J w^2 = m (V^2 - v^2),   k = m a V / J */
+       v' = a w^2,  J w' = -m a v w,  v = V tanh(k (t - t0)),  J w^2 = m (V^2 - v^2),
+       k = m a V / J */
 BOOST_AUTO_TEST_CASE(chaplygins_sleigh_turns_round_as_he_says) {
   const scene::Scene sleigh = scene::findScene("chaplygin_sleigh");
   crosscheck::SimulateOptions options;
@@ -169,7 +171,8 @@ BOOST_AUTO_TEST_CASE(chaplygins_sleigh_turns_round_as_he_says) {
 }
 
 /* Euler's disc with its centre at rest: Omega^2 sin a = 4 g / r (H. K. Moffatt, Nature 404 (2000)
-   833). The table then carries the weight and nothing sideways, the centre stays, the lean stays. */
+   833). The table then carries the weight and nothing sideways, the centre stays, the lean
+   stays. */
 BOOST_AUTO_TEST_CASE(eulers_disc_goes_round_its_resting_centre) {
   const scene::Scene coin = scene::findScene("rolling_coin");
   crosscheck::SimulateOptions options;

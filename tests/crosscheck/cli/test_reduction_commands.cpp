@@ -165,6 +165,12 @@ BOOST_AUTO_TEST_CASE(bounds_of_a_parameter_that_is_not_known) {
   BOOST_TEST((program.run("envelope pendulum.toml").out.find("; m = 2.2") != std::string::npos));
   write("m = [1.5, \"5*l\"]\n");
   holds("", 2.5);
+  holds("--nominal --set m=3", 3);
+  dynwitness::fixtures::refuses(program, "envelope pendulum.toml --set m=3",
+                                "its value 3 is not in");
+  const Outcome reduced = program.run("reduce pendulum.toml --tolerance 1% --set m=3");
+  BOOST_TEST(reduced.status == 0);
+  BOOST_TEST(reduced.out.find("[envelope.parameters] is left out") != std::string::npos);
   BOOST_TEST(program.run("write pendulum.toml --format toml -o again.toml").status == 0);
   BOOST_TEST(program.run("envelope again.toml --json again.json").status == 0);
   BOOST_TEST(nlohmann::json::parse(program.read("again.json")).at("uncertain_parameters") ==

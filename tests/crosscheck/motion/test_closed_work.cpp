@@ -26,8 +26,8 @@ const WorkLine& lineOf(const WorkPrecision& work, const std::string& label) {
 }  // namespace
 
 /* The published angles are good to 1e-10 (data/reference/motion/andrews_squeezer.json), ours differ
-   from them by no more. Orders seen on a machine with time: runge_kutta4 4.02 (Baumgarte), radau_iia_5
-   4.99 (index 1), 5.00 (index 2), 4.99 (ggl), of 5; a slow one sees fewer of them. */
+   from them by no more. Orders seen on a machine with time: runge_kutta4 4.02 (Baumgarte),
+   radau_iia_5 4.99 (index 1), 5.00 (index 2), 4.99 (ggl), of 5; a slow one sees fewer of them. */
 BOOST_AUTO_TEST_CASE(orders_of_the_squeezer_are_those_of_theory) {
   WorkOptions options;
   options.duration = 0.03;

@@ -114,8 +114,8 @@ BOOST_AUTO_TEST_CASE(the_program_says_which_steps_do_not_follow_a_motion) {
 }
 
 /* A cart of 1e-12 kg holds a bob of 1 kg by no force before the rod hangs straight down: the bob
-   falls freely, cos(angle) = g t^2 / (2 l), and is thrown back there at t = sqrt(2 l / g) = 0.4515 s, so
-   that the fall runs backwards on the other side. Steps of 0.01 s pass over that. */
+   falls freely, cos(angle) = g t^2 / (2 l), and is thrown back there at t = sqrt(2 l / g) = 0.4515
+   s, so that the fall runs backwards on the other side. Steps of 0.01 s pass over that. */
 BOOST_AUTO_TEST_CASE(two_methods_expose_a_solver_that_arrives_with_a_wrong_answer) {
   const Program program;
   const std::string file = "light.toml";

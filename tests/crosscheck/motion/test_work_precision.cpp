@@ -49,7 +49,8 @@ BOOST_AUTO_TEST_CASE(a_run_whose_first_entry_alone_is_lost_is_not_reached) {
 }
 
 /* Two of them for want of a range: of bulirsch_stoer8 extrapolation leaves more rounding than
-   others have, which grows with the number of steps (order -1), and runge_kutta4 comes as near as 3.86. */
+   others have, which grows with the number of steps (order -1), and runge_kutta4 comes as near as
+   3.86. */
 BOOST_AUTO_TEST_CASE(an_observed_order_is_that_of_theory_or_is_said_not_to_be_seen) {
   WorkOptions options;
   options.duration = 2;

@@ -144,9 +144,9 @@ struct Apart {
 };
 
 /** MuJoCo keeps inertias as principal moments and axes, which its compiler leaves short of turned
-    where there are products (kMujocoTurnStop), and rounds. Both are relative to the largest terms: of M its largest entry,
-    of c what Christoffel's symbols of that make, dM/dq being at most 2 M a joint, of g all weights
-    at the largest distance, and the springs. */
+    where there are products (kMujocoTurnStop), and rounds. Both are relative to the largest terms:
+    of M its largest entry, of c what Christoffel's symbols of that make, dM/dq being at most 2 M a
+    joint, of g all weights at the largest distance, and the springs. */
 Apart compared(const scene::Scene& scene, Engine& engine, int states) {
   Apart out;
   scene::Scene tree = scene;

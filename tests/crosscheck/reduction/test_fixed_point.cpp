@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Word lengths: the ranges hold at states of the program in double, the compiled whole numbers stay
-// within what is certified, and one bit too few is seen.
+// within what is certified, and too few bits are seen.
 #include "crosscheck/reduction/fixed_point.hpp"
 
 #include <cmath>
@@ -92,7 +92,7 @@ BOOST_AUTO_TEST_CASE(a_slide_by_hand) {
   BOOST_TEST(force.measured >= 0.9 * std::ldexp(1, -qdd.fraction));
 }
 
-BOOST_DATA_TEST_CASE(whole_numbers_stay_within_what_is_certified_and_a_bit_less_does_not,
+BOOST_DATA_TEST_CASE(whole_numbers_stay_within_what_is_certified_and_with_eight_bits_less_do_not,
                      data::make(std::vector<std::string>{"planar_3r", "scara", "puma_560"}), name) {
   const scene::Scene scene = scene::findScene(name);
   FixedPoint fixed = fixedPointOf(name, 1e-3);
@@ -137,14 +137,15 @@ BOOST_DATA_TEST_CASE(whole_numbers_stay_within_what_is_certified_and_a_bit_less_
   for (std::size_t k = 0; k < nearest.size(); ++k)
     BOOST_TEST(nearest[k] <= fixed.signals[k].error + 1e-12, fixed.signals[k].name);
 
-  // all signals with four bits less behind the point: what is certified is no more true
+  // all signals with eight bits less behind the point: what is certified is no more true (certified
+  // is some 20 times what is measured on puma_560, which eight bits less make 256 times as large)
   FixedPoint poor = fixed;
-  for (FixedSignal& signal : poor.signals) signal.fraction -= 4;
+  for (FixedSignal& signal : poor.signals) signal.fraction -= 8;
   for (FixedForce& force : poor.forces) force.measured = 0;
   poor.code = fixedPointC(scene, poor);
   runFixedPoint(scene, ranges, &poor);
   for (std::size_t i = 0; i < poor.forces.size(); ++i)
-    BOOST_TEST(poor.forces[i].measured > 4 * fixed.forces[i].measured);
+    BOOST_TEST(poor.forces[i].measured > fixed.forces[i].certified);
 }
 
 BOOST_AUTO_TEST_CASE(what_no_word_holds_is_refused) {
