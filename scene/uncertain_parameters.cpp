@@ -51,7 +51,7 @@ class UncertainReader : TomlFile {
     const toml::array* pair = node.as_array();
     if (!pair || pair->size() != 2)
       wrongType(node, what, "{ relative = share } or [lowest, highest]");
-    const UncertainParameter out{name, number((*pair)[0], what), number((*pair)[1], what)};
+    UncertainParameter out{name, number((*pair)[0], what), number((*pair)[1], what)};
     if (out.low > value || value > out.high)
       throw InputError(where(node), what + ": its value " + Expression(value).text() +
                                         " is not in [" + Expression(out.low).text() + ", " +
@@ -92,7 +92,8 @@ std::vector<UncertainParameter> uncertainParametersOf(const std::string& text, c
   const toml::table* envelope = top["envelope"].as_table();
   const toml::node* node = envelope ? envelope->get("parameters") : nullptr;
   const std::vector<std::string> labels = scene.mechanism.rateLabels();
-  if (!node || std::find(labels.begin(), labels.end(), "parameters") != labels.end()) return {};
+  if (node == nullptr || std::find(labels.begin(), labels.end(), "parameters") != labels.end())
+    return {};
   return UncertainReader(scene, file).read(*node);
 }
 
@@ -109,7 +110,7 @@ bool hasUncertainParameters(const std::filesystem::path& file) {
   const toml::table top =
       parsedToml(withoutMark(readTextFile(file, "a TOML scene")), file.string());
   const toml::table* envelope = top["envelope"].as_table();
-  return envelope && envelope->contains("parameters");
+  return envelope != nullptr && envelope->contains("parameters");
 }
 
 std::string writeUncertainParameters(const std::vector<UncertainParameter>& parameters) {
