@@ -29,6 +29,11 @@ std::string nearestName(const std::string& word, const std::vector<std::string>&
     for (const std::string& name : names)
       if (name.compare(0, word.size(), word) == 0) return name;
   std::string nearest;
+  if (word.size() >= 3)
+    for (const std::string& name : names)
+      if (name.find(word) != std::string::npos && (nearest.empty() || name.size() < nearest.size()))
+        nearest = name;
+  if (!nearest.empty()) return nearest;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& name : names)
     // with a letter in common, or anything of one letter would be near to all such

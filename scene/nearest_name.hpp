@@ -7,8 +7,8 @@
 
 namespace dynwitness::scene {
 
-/** Of these names the first that begins with the word, from three letters on, or the one that
-    fewest letters lead to, inserted, deleted or exchanged (Levenshtein); "" where that is more than
+/** Of these names the first that begins with the word, from three letters on, the shortest that
+    contains it, or the one that fewest letters lead to, inserted, deleted or exchanged (Levenshtein); "" where that is more than
     a third of the word's letters, or than one of a short word. */
 std::string nearestName(const std::string& word, const std::vector<std::string>& names);
 

@@ -13,6 +13,8 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -291,10 +293,13 @@ Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& fil
   // arranged and asked of urdfdom after, validated by whoever asked: about as long again
   Work reading("", 2.0 * static_cast<double>(link_elements.size() + joint_elements.size()));
   Faults faults;
+  std::set<std::string> unread;  ///< links that are not what they should be
   for (const Element& element : link_elements) {
     reading.done();
     faults.collect([&] {
+      unread.insert(element.attribute("name"));
       links.push_back({readLink(element, faults), {}, {}});
+      unread.erase(links.back().link.name);
       index.emplace(links.back().link.name, links.size() - 1);
       parts.emplace(links.back().link.name, partOf(element));
     });
@@ -305,6 +310,7 @@ Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& fil
     const std::string child_name = child.attribute("link");
     const auto place = index.find(child_name);
     if (place == index.end()) {
+      if (unread.count(child_name) > 0) return;  // which was told
       child.fail("joint \"" + joint.name + "\": child \"" + child_name + "\" is not a link");
     }
     NamedLink* const found = &links[place->second];

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crosscheck/cli/standard_files.hpp"
 #include "scene/error.hpp"
 #include "scene/expression.hpp"
 #include "scene/mimic.hpp"
@@ -24,6 +25,17 @@ std::string nameOf(StateOption::Part part) {
   return kNames[static_cast<int>(part)];
 }
 
+/// Angles of more than a turn are mostly degrees.
+void remarkOnTurns(const scene::Mechanism& mechanism, const std::vector<double>& q) {
+  constexpr double kTurn = 6.283185307179586;
+  const std::vector<scene::SlotKind> slots = mechanism.slots();
+  for (std::size_t k = 0; k < q.size(); ++k)
+    if (slots[k] == scene::SlotKind::kAngle && std::abs(q[k]) > kTurn)
+      return tell(fmt::format(
+          "--q: q{} = {:.6g} rad is {:.1f} turns; if it is in degrees, write {:.6g}*pi/180\n",
+          k + 1, q[k], q[k] / kTurn, q[k]));
+}
+
 }  // namespace
 
 double numberIn(const std::string& option, const std::string& text, const scene::Scene& scene) {
@@ -37,7 +49,7 @@ double numberIn(const std::string& option, const std::string& text, const scene:
   }
   throw scene::InputError(
       {}, fmt::format("{}: read '{}', allowed: a finite number, or an expression in the scene's "
-                      "parameters and pi{}",
+                      "parameters and pi (degrees: 30*pi/180){}",
                       option, text, reason));
 }
 
@@ -103,7 +115,15 @@ StateOption::StateOption(CLI::App* command, Part part, const std::string& otherw
 std::vector<double> StateOption::values(const scene::Scene& scene,
                                         const std::vector<double>& otherwise) const {
   if (words_->empty()) return otherwise;
-  if (part_ != Part::kQ || !scene.mechanism.hasMimics()) return told(scene, otherwise);
+  if (part_ != Part::kQ) return told(scene, otherwise);
+  const std::vector<double> q = positions(scene, otherwise);
+  remarkOnTurns(scene.mechanism, q);
+  return q;
+}
+
+std::vector<double> StateOption::positions(const scene::Scene& scene,
+                                           const std::vector<double>& otherwise) const {
+  if (!scene.mechanism.hasMimics()) return told(scene, otherwise);
   std::vector<double> given;  // followers are where their leaders put them
   for (const int slot : scene::givenSlots(scene.mechanism))
     given.push_back(otherwise[static_cast<std::size_t>(slot)]);

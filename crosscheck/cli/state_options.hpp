@@ -47,11 +47,14 @@ class StateOption {
 
   bool isGiven() const { return !words_->empty(); }
   /** One number a position slot (of q, those of followers from their leaders) or degree of freedom:
-      what is given, and otherwise these.
+      what is given, and otherwise these. An angle of more than a turn is remarked on.
       @throws scene::InputError  other counts, names and numbers */
   std::vector<double> values(const scene::Scene& scene, const std::vector<double>& otherwise) const;
 
  private:
+  /// Of q, followers where their leaders put them.
+  std::vector<double> positions(const scene::Scene& scene,
+                                const std::vector<double>& otherwise) const;
   /// The same of what may be given.
   std::vector<double> told(const scene::Scene& scene, const std::vector<double>& otherwise) const;
 

@@ -46,7 +46,7 @@ int runWrite(const WriteArguments& arguments) {
                     scene::writeUncertainParameters(uncertainParametersOf(arguments.scene, scene));
   else if (scene::hasEnvelope(
                scene::findScene(arguments.scene.name, scene::InertiaNeed::kOfNoJoint)))
-    tell(fmt::format("{}: not written: [envelope]\n", scene.name));
+    tell(fmt::format("{}: left out of the file: [envelope]\n", scene.name));
   for (const std::string& what : written.lost)
     tell(fmt::format("{}: lost: {}\n", scene.name, what));
   if (arguments.output.empty())
