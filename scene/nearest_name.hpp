@@ -8,8 +8,9 @@
 namespace dynwitness::scene {
 
 /** Of these names the first that begins with the word, from three letters on, the shortest that
-    contains it, or the one that fewest letters lead to, inserted, deleted or exchanged (Levenshtein); "" where that is more than
-    a third of the word's letters, or than one of a short word. */
+    contains it, or the one that fewest letters lead to, inserted, deleted or exchanged
+    (Levenshtein); "" where that is more than a third of the word's letters, or than one of a short
+    word. */
 std::string nearestName(const std::string& word, const std::vector<std::string>& names);
 
 /// " (did you mean NAME?)" where one is near, otherwise "".
