@@ -12,9 +12,9 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/scalars/many_states.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/dynamics.hpp"
-#include "recursive/fast/many_states.hpp"
 #include "tests/fixtures/files.hpp"
 #include "tests/fixtures/scene_files.hpp"
 
