@@ -654,6 +654,33 @@ BOOST_AUTO_TEST_CASE(c_is_C_qd_and_tau_is_Y_pi) {
                         of_coupled[3 * i + 2] * 1.2 - bias[i]) < 1e-18);
 }
 
+BOOST_AUTO_TEST_CASE(angles_of_more_than_a_turn_are_remarked_on) {
+  const Program program;
+  const auto said = [&](const std::string& words) {
+    const Outcome outcome = program.run("evaluate " + words);
+    BOOST_TEST(outcome.status == 0, outcome.out);
+    return outcome.out;
+  };
+  const std::string remark = "write 30*pi/180";
+  BOOST_TEST(said("double_pendulum --q 1,30 --quantity g").find(remark) != std::string::npos);
+  BOOST_TEST(said("double_pendulum --q 1,-6.2 --quantity g").find("turns") == std::string::npos);
+  // a slide's metres are no turns
+  BOOST_TEST(said("cart_pole --q 30,1 --quantity g").find("turns") == std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(a_link_that_is_wrong_is_not_told_to_be_missing_as_well) {
+  const Program program;
+  program.write("arm.urdf",
+                "<robot name=\"arm\"><link name=\"base\"/>"
+                "<link name=\"rod\"><inertial><mass value=\"1\"/></inertial></link>"
+                "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/>"
+                "<child link=\"rod\"/></joint></robot>");
+  const Outcome outcome = program.run("evaluate arm.urdf --quantity M");
+  BOOST_TEST(outcome.status == 2);
+  BOOST_TEST(outcome.out.find("has no <inertia>") != std::string::npos, outcome.out);
+  BOOST_TEST(outcome.out.find("is not a link") == std::string::npos, outcome.out);
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(derivations)
