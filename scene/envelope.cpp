@@ -74,10 +74,6 @@ class EnvelopeReader : TomlFile {
   ParameterValues values_;
 };
 
-bool isTomlFile(const Scene& scene) {
-  return scene.file.extension() == ".toml" && std::filesystem::exists(scene.file);
-}
-
 }  // namespace
 
 std::vector<JointRanges> envelopeOf(const std::string& text, const Scene& scene) {
@@ -89,12 +85,12 @@ std::vector<JointRanges> envelopeOf(const std::string& text, const Scene& scene)
 }
 
 std::vector<JointRanges> readEnvelope(const Scene& scene) {
-  if (!isTomlFile(scene)) return {};
+  if (!isTomlFile(scene.file)) return {};
   return envelopeOf(readTextFile(scene.file, "a TOML scene"), scene);
 }
 
 bool hasEnvelope(const Scene& scene) {
-  if (!isTomlFile(scene)) return false;
+  if (!isTomlFile(scene.file)) return false;
   const std::string text = readTextFile(scene.file, "a TOML scene");
   return parsedToml(withoutMark(text), scene.file.string()).contains("envelope");
 }

@@ -101,6 +101,10 @@ std::string withoutMark(const std::string& text) {
   return text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? text.substr(3) : text;  // byte order mark
 }
 
+bool isTomlFile(const std::filesystem::path& file) {
+  return file.extension() == ".toml" && std::filesystem::exists(file);
+}
+
 toml::table parsedToml(const std::string& text, const std::string& file) {
   requireShallow(text, file);
   try {

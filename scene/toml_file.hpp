@@ -2,6 +2,7 @@
 // What the readers of TOML files have in common. Not installed: no other header includes toml++.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,9 @@ namespace dynwitness::scene {
 
 /// The text without a byte order mark at its start.
 std::string withoutMark(const std::string& text);
+
+/// Whether there is such a file, and it is TOML by its name.
+bool isTomlFile(const std::filesystem::path& file);
 
 /// @throws InputError  it is not TOML, or nested more deeply than any file of ours needs
 toml::table parsedToml(const std::string& text, const std::string& file);

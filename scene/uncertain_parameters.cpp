@@ -84,33 +84,38 @@ class UncertainReader : TomlFile {
   ParameterValues values_;
 };
 
+/// The table; nullptr: there is none, or it is the ranges of a joint of that name.
+const toml::node* tableIn(const toml::table& top, const Scene& scene) {
+  const toml::table* envelope = top["envelope"].as_table();
+  const std::vector<std::string> labels = scene.mechanism.rateLabels();
+  if (envelope == nullptr || std::find(labels.begin(), labels.end(), "parameters") != labels.end())
+    return nullptr;
+  return envelope->get("parameters");
+}
+
 }  // namespace
 
 std::vector<UncertainParameter> uncertainParametersOf(const std::string& text, const Scene& scene) {
   const std::string file = scene.file.string();
   const toml::table top = parsedToml(withoutMark(text), file);
-  const toml::table* envelope = top["envelope"].as_table();
-  const toml::node* node = envelope ? envelope->get("parameters") : nullptr;
-  const std::vector<std::string> labels = scene.mechanism.rateLabels();
-  if (node == nullptr || std::find(labels.begin(), labels.end(), "parameters") != labels.end())
-    return {};
-  return UncertainReader(scene, file).read(*node);
+  const toml::node* table = tableIn(top, scene);
+  if (table == nullptr) return {};
+  return UncertainReader(scene, file).read(*table);
 }
 
 std::vector<UncertainParameter> readUncertainParameters(const std::filesystem::path& file,
                                                         const Scene& scene) {
-  if (file.extension() != ".toml" || !std::filesystem::exists(file)) return {};
+  if (!isTomlFile(file)) return {};
   Scene of_file = scene;
   of_file.file = file;
   return uncertainParametersOf(readTextFile(file, "a TOML scene"), of_file);
 }
 
-bool hasUncertainParameters(const std::filesystem::path& file) {
-  if (file.extension() != ".toml" || !std::filesystem::exists(file)) return false;
+bool hasUncertainParameters(const std::filesystem::path& file, const Scene& scene) {
+  if (!isTomlFile(file)) return false;
   const toml::table top =
       parsedToml(withoutMark(readTextFile(file, "a TOML scene")), file.string());
-  const toml::table* envelope = top["envelope"].as_table();
-  return envelope != nullptr && envelope->contains("parameters");
+  return tableIn(top, scene) != nullptr;
 }
 
 std::string writeUncertainParameters(const std::vector<UncertainParameter>& parameters) {

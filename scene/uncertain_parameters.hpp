@@ -32,7 +32,7 @@ std::vector<UncertainParameter> readUncertainParameters(const std::filesystem::p
                                                         const Scene& scene);
 
 /// Whether a file has the table; what stands in it is not looked at.
-bool hasUncertainParameters(const std::filesystem::path& file);
+bool hasUncertainParameters(const std::filesystem::path& file, const Scene& scene);
 
 /// The table as TOML, to stand behind writeEnvelope(); none: no text. What is read back is the
 /// same.

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "crosscheck/audit/counting.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/composite_body.hpp"
 #include "recursive/factorization.hpp"
@@ -13,10 +12,9 @@ namespace dynwitness::audit {
 
 using recursive::MatrixX;
 
-Cost costOf(int n) {
+recursive::Model<Counted> chainOfTurns(int n) {
   recursive::Model<Counted> model;
   model.positions = n;
-  std::vector<scene::JointPosition<Counted>> x(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
     recursive::LinkModel<Counted> link;
     link.parent = i - 1;
@@ -25,6 +23,12 @@ Cost costOf(int n) {
     model.links.push_back(link);
     model.link_of_dof.push_back(i);
   }
+  return model;
+}
+
+Cost costOf(int n) {
+  const recursive::Model<Counted> model = chainOfTurns(n);
+  const std::vector<scene::JointPosition<Counted>> x(static_cast<std::size_t>(n));
   recursive::Workspace<Counted> ws(model);
   std::vector<Counted> v(static_cast<std::size_t>(n)), tau = v, qdd = v;
   MatrixX<Counted> M(n, n);

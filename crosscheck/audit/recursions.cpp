@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/audit/board.hpp"
-#include "crosscheck/audit/counting.hpp"
+#include "crosscheck/audit/costs.hpp"
 #include "crosscheck/audit/ours.hpp"
 #include "crosscheck/audit/robot.hpp"
 #include "recursive/articulated_body.hpp"
@@ -434,16 +434,7 @@ Trials superposition() {
 
 /// Operations of one inverse and one forward dynamics of a chain of n revolute links.
 Operations sweepCost(int n) {
-  recursive::Model<Counted> model;
-  model.positions = n;
-  for (int i = 0; i < n; ++i) {
-    recursive::LinkModel<Counted> link;
-    link.parent = i - 1;
-    link.dof = link.slot = i;
-    link.kind = recursive::JointKind::kRevolute;
-    model.links.push_back(link);
-    model.link_of_dof.push_back(i);
-  }
+  const recursive::Model<Counted> model = chainOfTurns(n);
   recursive::Workspace<Counted> workspace(model);
   const std::vector<recursive::JointPosition<Counted>> x(static_cast<std::size_t>(n));
   std::vector<Counted> qd(static_cast<std::size_t>(n)), qdd = qd, tau = qd;

@@ -94,11 +94,15 @@ scene::Scene readSceneFor(const GivenScene& given, const std::string& solved) {
   }
 }
 
+std::filesystem::path fileOf(const GivenScene& given, const scene::Scene& scene) {
+  return given.isAsWritten() ? scene.file
+                             : scene::findScene(given.name, scene::InertiaNeed::kOfNoJoint).file;
+}
+
 std::vector<scene::JointRanges> envelopeOf(const GivenScene& given, const scene::Scene& scene) {
-  if (given.isAsWritten()) return scene::readEnvelope(scene);
-  scene::Scene changed = scene;  // which has no file of its own
-  changed.file = scene::findScene(given.name, scene::InertiaNeed::kOfNoJoint).file;
-  return scene::readEnvelope(changed);
+  scene::Scene of_file = scene;
+  of_file.file = fileOf(given, scene);
+  return scene::readEnvelope(of_file);
 }
 
 scene::Scene admitted(const GivenScene& given, crosscheck::Command command,

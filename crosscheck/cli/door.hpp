@@ -2,6 +2,7 @@
 // What each command does first with a scene that it was given.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ scene::Scene readScene(const GivenScene& given,
     @throws scene::InputError  as readScene(); of a joint that moves no inertia with what was
     asked */
 scene::Scene readSceneFor(const GivenScene& given, const std::string& solved);
+
+/// The file that a scene stands in, also where changes leave it none of its own.
+std::filesystem::path fileOf(const GivenScene& given, const scene::Scene& scene);
 
 /// [envelope] of its file for the scene as it is read: ranges are expressions in the parameters
 /// that it has then. None: the file has no such table.

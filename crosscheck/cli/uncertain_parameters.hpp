@@ -2,13 +2,12 @@
 // [envelope.parameters] of a scene as the command line gives it.
 #pragma once
 
-#include <cstdio>
-#include <filesystem>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "scene/uncertain_parameters.hpp"
 
 namespace dynwitness::cli {
@@ -16,22 +15,16 @@ namespace dynwitness::cli {
 /// Of its file, for the scene as it is read: shares are of the values that it has now.
 inline std::vector<scene::UncertainParameter> uncertainParametersOf(const GivenScene& given,
                                                                     const scene::Scene& scene) {
-  return scene::readUncertainParameters(
-      given.isAsWritten() ? scene.file
-                          : scene::findScene(given.name, scene::InertiaNeed::kOfNoJoint).file,
-      scene);
+  return scene::readUncertainParameters(fileOf(given, scene), scene);
 }
 
 /// Where a command takes them at the values that they have, whatever else they may be.
 inline void tellNominalParameters(const GivenScene& given, const scene::Scene& scene) {
-  const std::filesystem::path file =
-      given.isAsWritten() ? scene.file
-                          : scene::findScene(given.name, scene::InertiaNeed::kOfNoJoint).file;
-  if (scene::hasUncertainParameters(file))
-    fmt::print(stderr,
-               "{}: [envelope.parameters] is left out: what is proven holds for the numbers as "
-               "they are, not for others that these may be\n",
-               scene.name);
+  if (scene::hasUncertainParameters(fileOf(given, scene), scene))
+    tell(fmt::format(
+        "{}: [envelope.parameters] is left out: what is proven holds for the numbers as "
+        "they are, not for others that these may be\n",
+        scene.name));
 }
 
 }  // namespace dynwitness::cli

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/reduction/envelope_sampler.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
@@ -114,7 +114,6 @@ class Planner {
     const Program& p = out_.program;
     const symbolic::ProgramRun<RunningError> run(p, RunningErrorNumbers(scene_.mechanism));
     out_.signals.resize(static_cast<std::size_t>(p.slots));
-    is_used_.assign(out_.signals.size(), false);
     std::vector<bool> is_known(out_.signals.size(), true);  // before a state is
     for (const Program::Load& load : p.loads) {
       FixedSignal& signal = out_.signals[static_cast<std::size_t>(load.slot)];
@@ -143,7 +142,7 @@ class Planner {
         out_.signals[s].name = fmt::format("{:.6g}", constants_[s].value());
     }
   }
-  void use(int slot) { is_used_[static_cast<std::size_t>(slot)] = true; }
+  void use(int slot) { out_.signals[static_cast<std::size_t>(slot)].is_used = true; }
   static std::string nameOf(const Program::Load& load) {
     switch (load.input) {
       case Input::kCos:
@@ -240,20 +239,12 @@ class Planner {
     const Program& p = out_.program;
     sensitivity_.assign(out_.signals.size(), 0);
     symbolic::ProgramRun<double> run(p, scene::RealNumbers<double>(scene_.mechanism));
-    std::mt19937_64 random(36);
-    std::uniform_real_distribution<double> share(0, 1);
-    const auto draw = [&](const scene::Range& r, bool at_end) {
-      const double s = share(random);
-      return r.low + (at_end ? std::round(s) : s) * (r.high - r.low);
-    };
+    EnvelopeSampler sampler(ranges_, 36);
     std::vector<double> tau(p.outputs.size()), adjoint;
     for (int sample = 0; sample < kSampled; ++sample) {
-      scene::State<double> state;
-      for (const JointRanges& r : ranges_) {
-        state.x.push_back(scene::jointPosition(draw(r.q, false)));
-        state.qd.push_back(draw(r.qd, sample % 2 == 0));
-        state.qdd.push_back(draw(r.qdd, sample % 2 == 0));
-      }
+      const EnvelopeState drawn = sampler.next();
+      scene::State<double> state{{}, drawn.qd, drawn.qdd, {}};
+      for (const double q : drawn.q) state.x.push_back(scene::jointPosition(q));
       run(state, tau.data());
       for (const int output : p.outputs) {
         adjoint.assign(out_.signals.size(), 0);
@@ -288,7 +279,8 @@ class Planner {
   /// Each rounding of all makes the same share of the error; no bits that a result has not.
   void allocate(double error) {
     const Program& p = out_.program;
-    const auto roundings = static_cast<double>(std::count(is_used_.begin(), is_used_.end(), true));
+    const auto roundings = static_cast<double>(std::count_if(
+        out_.signals.begin(), out_.signals.end(), [](const FixedSignal& s) { return s.is_used; }));
     for (std::size_t s = 0; s < out_.signals.size(); ++s) {
       FixedSignal& signal = out_.signals[s];
       const double bits =
@@ -383,7 +375,6 @@ class Planner {
   const std::vector<JointRanges>& ranges_;
   FixedPoint out_;
   std::vector<RunningError> constants_;
-  std::vector<bool> is_used_;
   std::vector<int> pieces_;
   std::vector<double> sensitivity_;
 };

@@ -21,6 +21,7 @@ struct FixedSignal {
   int integer = 0;           ///< bits before the point, without the sign; negative: zeros behind it
   int fraction = 0;          ///< bits behind it
   double error = 0;          ///< proven: at most so far from the exact number
+  bool is_used = false;      ///< the code has it; a program may leave slots out
 
   int word() const;  ///< all bits, the sign's among them; 1 at least
 };

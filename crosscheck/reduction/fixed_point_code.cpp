@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "crosscheck/kernel/compiled.hpp"
+#include "crosscheck/reduction/envelope_sampler.hpp"
 #include "crosscheck/reduction/fixed_point.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
@@ -192,24 +192,12 @@ void runFixedPoint(const scene::Scene& scene, const std::vector<scene::JointRang
   const auto model =
       recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
   recursive::Workspace<double> ws(model);
-  std::mt19937_64 random(63);
-  std::uniform_real_distribution<double> share(0, 1);
-  const auto draw = [&](const scene::Range& r, bool at_end) {
-    const double s = share(random);
-    return r.low + (at_end ? std::round(s) : s) * (r.high - r.low);
-  };
+  EnvelopeSampler sampler(ranges, 63);
   std::vector<double> swept(fixed->forces.size());
   for (fixed->states = 0; fixed->states < kStates; ++fixed->states) {
-    EnvelopeState at;
-    scene::State<double> state;
-    for (const scene::JointRanges& r : ranges) {
-      at.q.push_back(draw(r.q, false));
-      at.qd.push_back(draw(r.qd, fixed->states % 2 == 0));
-      at.qdd.push_back(draw(r.qdd, fixed->states % 2 == 0));
-      state.x.push_back(scene::jointPosition(at.q.back()));
-    }
-    state.qd = at.qd;
-    state.qdd = at.qdd;
+    const EnvelopeState at = sampler.next();
+    scene::State<double> state{{}, at.qd, at.qdd, {}};
+    for (const double q : at.q) state.x.push_back(scene::jointPosition(q));
     recursive::inverseDynamics(model, state.x, state.qd, state.qdd, ws, swept);
     const std::vector<double> tau = (*code)(state);
     for (std::size_t i = 0; i < tau.size(); ++i)

@@ -21,17 +21,10 @@ const char* word(Kind kind) {
 
 /// Slots of the signals that the code has, inputs first, then the widest.
 std::vector<int> slotsOf(const FixedPoint& fixed, Kind kind) {
-  std::vector<bool> is_used(fixed.signals.size(), false);
-  const auto use = [&](int slot) { is_used[static_cast<std::size_t>(slot)] = true; };
-  for (const auto& load : fixed.program.loads) use(load.slot);
-  for (const auto& i : fixed.program.body) {
-    for (const int slot : {i.result, i.a}) use(slot);
-    if (i.code != symbolic::Program::Code::kNegate) use(i.b);
-  }
-  for (const int slot : fixed.program.outputs) use(slot);
   std::vector<int> out;
-  for (std::size_t s = 0; s < is_used.size(); ++s)
-    if (is_used[s] && fixed.signals[s].kind == kind) out.push_back(static_cast<int>(s));
+  for (std::size_t s = 0; s < fixed.signals.size(); ++s)
+    if (fixed.signals[s].is_used && fixed.signals[s].kind == kind)
+      out.push_back(static_cast<int>(s));
   return out;
 }
 

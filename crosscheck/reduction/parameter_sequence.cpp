@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <random>
 
+#include "crosscheck/reduction/envelope_sampler.hpp"
 #include "crosscheck/reduction/omissions.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
@@ -50,24 +50,10 @@ ReductionSamples::ReductionSamples(const Mechanism& mechanism,
                                    const std::vector<scene::JointRanges>& ranges,
                                    ReducedQuantity of)
     : of_(of) {
-  std::mt19937_64 random(16);
-  std::uniform_real_distribution<double> share(0, 1);
-  const auto draw = [&](const scene::Range& r, bool at_end) {
-    const double s = share(random);
-    return r.low + (at_end ? std::round(s) : s) * (r.high - r.low);
-  };
-  for (int s = 0; s < kSampled; ++s) {
-    EnvelopeState state;
-    for (const scene::JointRanges& r : ranges) {
-      state.q.push_back(draw(r.q, false));
-      state.qd.push_back(draw(r.qd, s % 2 == 0));
-      if (of == ReducedQuantity::kTau)
-        state.qdd.push_back(draw(r.qdd, s % 2 == 0));
-      else
-        state.tau.push_back(draw(*r.tau, s % 2 == 0));
-    }
-    states_.push_back(state);
-  }
+  EnvelopeSampler sampler(
+      ranges, 16,
+      of == ReducedQuantity::kTau ? EnvelopeSampler::Given::kQdd : EnvelopeSampler::Given::kTau);
+  for (int s = 0; s < kSampled; ++s) states_.push_back(sampler.next());
   answers_ = this->of(mechanism);
 }
 
