@@ -21,6 +21,20 @@ void rotate(Step::Kind kind, const Number& angle, std::vector<Step>* steps) {
 
 }  // namespace
 
+Link::Link() = default;
+Link::Link(const Link&) = default;
+Link::Link(Link&&) noexcept = default;
+Link& Link::operator=(const Link&) = default;
+Link& Link::operator=(Link&&) noexcept = default;
+Link::~Link() = default;
+
+Mechanism::Mechanism() = default;
+Mechanism::Mechanism(const Mechanism&) = default;
+Mechanism::Mechanism(Mechanism&&) noexcept = default;
+Mechanism& Mechanism::operator=(const Mechanism&) = default;
+Mechanism& Mechanism::operator=(Mechanism&&) noexcept = default;
+Mechanism::~Mechanism() = default;
+
 int degreesOfFreedom(JointKind kind) {
   return static_cast<int>(rateNames(kind).size());
 }

@@ -189,6 +189,14 @@ struct Link {
   Joint joint;
   MassProperties inertia;
   SourceLocation where;  ///< for messages about this link
+
+  // compiled once, as those of Mechanism and Scene are: hundreds of files copy one
+  Link();
+  Link(const Link&);
+  Link(Link&&) noexcept;
+  Link& operator=(const Link&);
+  Link& operator=(Link&&) noexcept;
+  ~Link();
 };
 
 /// A constant force [N] and moment [N m] on a link, the force acting at the point `at` (link frame,
@@ -294,6 +302,13 @@ struct Mechanism {
   std::vector<Closure> closures;
   std::vector<Spring> springs;  ///< between two points; those of joints stand with the joint
   std::vector<AccelerationConstraint> acceleration_constraints;
+
+  Mechanism();
+  Mechanism(const Mechanism&);
+  Mechanism(Mechanism&&) noexcept;
+  Mechanism& operator=(const Mechanism&);
+  Mechanism& operator=(Mechanism&&) noexcept;
+  ~Mechanism();
 
   int dof() const;  ///< how many rates qd there are; followers have none
   int positions()

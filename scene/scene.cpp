@@ -40,6 +40,13 @@ bool isFourBars(const std::string& name, int* windows) {
 
 }  // namespace
 
+Scene::Scene() = default;
+Scene::Scene(const Scene&) = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(const Scene&) = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
 Scene fourBars(int windows) {
   std::string text = "title = \"" + std::to_string(windows) +
                      " four-bar windows (IFToMM A02)\"\n"

@@ -20,6 +20,13 @@ struct Scene {
   std::vector<Number> start_q;
   std::vector<Number> start_qd;           ///< one a degree of freedom; default 0
   std::vector<std::string> not_modelled;  ///< what the file says and dynwitness leaves out
+
+  Scene();
+  Scene(const Scene&);
+  Scene(Scene&&) noexcept;
+  Scene& operator=(const Scene&);
+  Scene& operator=(Scene&&) noexcept;
+  ~Scene();
 };
 
 /** Reads a scene from a TOML or URDF file, told apart by content, and validates it.
