@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/report/json.hpp"
 
 namespace dynwitness::cli {
@@ -51,8 +52,8 @@ void CampaignProgress::show(int done) {
   if (!told_ && taken > 1) {
     told_ = true;
     if (left > kLong)
-      fmt::print(stderr, "dynwitness: {} take about {}\n", counted(mechanisms_, "mechanism"),
-                 roughly(taken + left));
+      tell(fmt::format("dynwitness: {} take about {}\n", counted(mechanisms_, "mechanism"),
+                       roughly(taken + left)));
   }
   for (; stage_ < kStages && 1L * done * kStages >= (stage_ + 1L) * mechanisms_; ++stage_)
     progress_.stage(fmt::format("{} of {}, about {} to go", done, counted(mechanisms_, "mechanism"),

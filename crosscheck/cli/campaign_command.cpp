@@ -13,6 +13,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/own_program.hpp"
 #include "crosscheck/system/processes.hpp"
@@ -131,7 +132,7 @@ int runElsewhere(const Arguments& arguments, const CampaignPlan& plan) {
   {
     Progress progress(plan.title);
     runOverSsh(campaign, hosts,
-               [&](const std::string& what) { fmt::print(stderr, "dynwitness: {}\n", what); });
+               [&](const std::string& what) { tell(fmt::format("dynwitness: {}\n", what)); });
   }
   return mergeInto(campaign.folder, {campaign.folder});
 }

@@ -112,18 +112,25 @@ void printRemarks(const SceneResult& scene) {
   for (const Finding& finding : scene.findings)
     if (finding.kind == Finding::Kind::kOpenStart || finding.kind == Finding::Kind::kEngine)
       fmt::print("\nfinding: {}", finding.text);
-  std::map<std::string, std::string> refused_by;  // names, by reason
+  std::map<std::string, std::string> refused_by;                   // names, by reason
+  std::map<std::string, std::vector<const CheckResult*>> unasked;  // checks, by reason
   for (const CheckResult& check : scene.checks) {
     if (check.verdict != Verdict::kNotAnswerable) continue;
     if (check.law == kReading && check.asksNothing()) continue;  // printReading() tells
     if (check.asksNothing()) {
       std::string& names = refused_by[check.reason];
       names += (names.empty() ? "" : ", ") + check.left;
-      continue;
+    } else {
+      unasked[check.reason].push_back(&check);
     }
-    fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict),
-               check.name(), check.quantity, check.left, check.right.empty() ? "" : " and ",
-               check.right, check.reason, check.seed);
+  }
+  for (const auto& [reason, checks] : unasked) {
+    const CheckResult& first = *checks.front();
+    fmt::print("\n{}: {}: {} {} ({}{}{}){}: {} (seed {})", scene.name, name(first.verdict),
+               first.name(), first.quantity, first.left, first.right.empty() ? "" : " and ",
+               first.right,
+               checks.size() > 1 ? fmt::format(" and {} more checks", checks.size() - 1) : "",
+               reason, first.seed);
   }
   for (const auto& [reason, names] : refused_by)
     fmt::print("\n{}: not answerable by {}: {}", scene.name, names, reason);

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closed_states.hpp"
@@ -222,13 +223,13 @@ scene::Scene startedAt(scene::Scene scene, const StartAsked& asked) {
                                                              "allowed: one of them",
                                                              asked.row, row - 1));
     if (!reader.gives("qd") && !start.qd.empty())
-      fmt::print(stderr, "{}: no column says qd: the motion starts at rest\n", asked.file);
+      tell(fmt::format("{}: no column says qd: the motion starts at rest\n", asked.file));
     std::vector<std::string> unread;
     for (const std::string& name : reader.keptNames())
       if (name != "t" && name != "time_s") unread.push_back(name);
     if (!unread.empty())
-      fmt::print(stderr, "{}: no part of a state, and not read: {}\n", asked.file,
-                 fmt::join(unread, ", "));
+      tell(fmt::format("{}: no part of a state, and not read: {}\n", asked.file,
+                       fmt::join(unread, ", ")));
   }
   const auto decimal = [](double x) {
     return scene::Number::parse(fmt::format("{}", x == 0 ? 0.0 : x));

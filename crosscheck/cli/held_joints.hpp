@@ -8,20 +8,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crosscheck/cli/standard_files.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::cli {
 
-/// On standard error, as what a command leaves out is; none held: nothing.
+/// A remark, as of what a command leaves out; none held: nothing.
 /// @param scene  in which they are fixed
 inline void tellHeldJoints(const std::vector<std::string>& held, const scene::Scene& scene) {
   if (held.empty()) return;
-  fmt::print(
-      stderr,
-      "{}: [envelope] holds {} joints at 0, which are fixed here: {}; tau_1 to tau_{} are of "
-      "{}\n",
+  tell(fmt::format(
+      "{}: [envelope] holds {} joints at 0, which are fixed here: {}; tau_1 to tau_{} are of {}\n",
       scene.name, held.size(), fmt::join(held, ", "), scene.mechanism.dof(),
-      fmt::join(scene.mechanism.rateLabels(), ", "));
+      fmt::join(scene.mechanism.rateLabels(), ", ")));
 }
 
 }  // namespace dynwitness::cli

@@ -10,6 +10,7 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
@@ -40,10 +41,9 @@ void tellOpenClosures(const scene::Scene& scene, const std::vector<double>& q) {
   state.qd.assign(state.qd.size(), 0.0);
   const ClosureGap gap = ClosureGaps(scene).at(state);
   if (gap.is_open)
-    fmt::print(
-        stderr,
+    tell(fmt::format(
         "{}: closures are open, |phi| = {:.3g}: what is said is not about the closed mechanism\n",
-        scene.name, gap.phi);
+        scene.name, gap.phi));
 }
 
 int run(Arguments arguments) {

@@ -176,6 +176,8 @@ std::string checkText(const Examination& e) {
                                 e.engine, e.version, e.single ? "single" : "double", e.states);
   for (const std::string& remark : e.remarks) out += "  " + remark + "\n";
   if (!e.failure.empty()) return out + "FAILED: " + e.failure + "\n";
+  out += fmt::format("  {:<10} {:<11}right digits of largest  error, and what rounding may leave\n",
+                     "quantity", "verdict");
   out += modelText(e.model);
   for (const QuantityFound& q : e.quantities) out += lineOf(q);
   if (e.isWrong()) out += diagnosisText(e);

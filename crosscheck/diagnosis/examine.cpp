@@ -296,10 +296,11 @@ void tellGrowth(const std::vector<Exhibit>& exhibits, const Isolating& at, Where
   const auto term = [&](const char* name, const std::optional<bool>& own,
                         const std::optional<bool>& in_tau, const char* needed) {
     const std::optional<bool> is_wrong = own ? own : in_tau;
-    where.terms.push_back(fmt::format("{}: {}", name,
+    where.terms.push_back(fmt::format("{}: {}{}", name,
                                       !is_wrong   ? "not told"
                                       : *is_wrong ? "wrong"
-                                                  : "right"));
+                                                  : "right",
+                                      is_wrong && !own ? " in tau" : ""));
     if (own && in_tau && *own != *in_tau)
       where.growth.push_back(fmt::format("{} is {} by itself and {} in tau", name,
                                          *own ? "wrong" : "right", *in_tau ? "wrong" : "right"));

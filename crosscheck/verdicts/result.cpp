@@ -253,12 +253,26 @@ std::vector<Coverage> CrosscheckResult::coverage() const {
   return coverageOf(all);
 }
 
-std::vector<std::string> CrosscheckResult::thinlyCovered() const {
-  std::vector<std::string> thin;
+namespace {
+
+/// "qdd of chain", for each quantity of a scene with this property.
+std::vector<std::string> quantitiesThat(bool (Coverage::*is)() const,
+                                        const std::vector<SceneResult>& scenes) {
+  std::vector<std::string> found;
   for (const SceneResult& scene : scenes)
     for (const Coverage& coverage : coverageOf(scene.checks))
-      if (coverage.isThin()) thin.push_back(fmt::format("{} of {}", coverage.quantity, scene.name));
-  return thin;
+      if ((coverage.*is)()) found.push_back(fmt::format("{} of {}", coverage.quantity, scene.name));
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::string> CrosscheckResult::thinlyCovered() const {
+  return quantitiesThat(&Coverage::isThin, scenes);
+}
+
+std::vector<std::string> CrosscheckResult::comparedNowhere() const {
+  return quantitiesThat(&Coverage::isNowhere, scenes);
 }
 
 std::vector<std::string> CrosscheckResult::openAtStart() const {
@@ -400,7 +414,9 @@ std::string CrosscheckResult::headline() const {
                                  scenes.size() == 1 ? "" : "s", checkCount());
   switch (verdict()) {
     case RunVerdict::kAgree:
-      line += "all agree";
+      line += comparedNowhere().empty()
+                  ? "all agree"
+                  : "all of them agree, but none is of " + shortened(comparedNowhere(), 4);
       break;
     case RunVerdict::kNotAnswerable:
       line += "nothing could be answered";

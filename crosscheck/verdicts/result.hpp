@@ -186,6 +186,7 @@ struct Coverage {
 
   long missing() const { return voided - excused; }
   bool isThin() const { return 10 * missing() > asked - excused; }
+  bool isNowhere() const { return voided == asked; }
 };
 /// By quantity, in the order of the checks.
 std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks);
@@ -304,6 +305,8 @@ struct CrosscheckResult {
   std::vector<Coverage> coverage() const;
   /// Quantities of a scene of which too much is missing: "qdd of chain".
   std::vector<std::string> thinlyCovered() const;
+  /// Quantities of a scene that no comparison reached: "qdd of chain".
+  std::vector<std::string> comparedNowhere() const;
   /// Scenes whose own start leaves closures open.
   std::vector<std::string> openAtStart() const;
   /// "control: a kilogram off by 1e-10 was found in M, c, ... of all 46 scenes by pairs, truth,

@@ -277,6 +277,15 @@ BOOST_AUTO_TEST_CASE(no_source_of_the_crosscheck_speaks_of_a_tolerance) {
   for (const auto& [file, text] : sources) BOOST_TEST(!std::regex_search(text, word), file);
 }
 
+// --quiet is kept by tell() alone (standard_files.hpp).
+BOOST_AUTO_TEST_CASE(no_command_writes_to_standard_error_by_itself) {
+  static const std::regex direct(R"re(\b(stderr|cerr|clog)\b)re");
+  for (const auto& [file, text] : crosscheckSources())
+    if (file.rfind("crosscheck/cli/", 0) == 0 && fs::path(file).stem() != "standard_files" &&
+        (fs::path(file).extension() == ".cpp" || fs::path(file).extension() == ".hpp"))
+      BOOST_TEST(!std::regex_search(codeOf(text), direct), file);
+}
+
 // Small numbers in code are where limits chosen by hand would be: these are all, and what they are.
 BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
   const std::map<std::string, std::set<std::string>> known = {

@@ -377,7 +377,8 @@ BOOST_AUTO_TEST_CASE(where_says_which_terms_are_wrong) {
   const Examination e = examined(scene::findScene("franka_panda"), [](Mechanism& m) {
     for (Number& x : m.gravity) x = times(x, -1);
   });
-  const std::vector<std::string> expected = {"M: right", "c: right", "g: wrong", "friction: right"};
+  const std::vector<std::string> expected = {"M: right", "c: right", "g: wrong",
+                                             "friction: right in tau"};
   BOOST_TEST(e.where.terms == expected, boost::test_tools::per_element());
 }
 

@@ -107,7 +107,8 @@ for name, where in (("all", states), ("many", many)):
     status, said = check_json("--states", where, "--answers", wrong)
     assert status == 1 and said["explained"], said
     assert said["findings"][0]["sentence"] == "gravity with the opposite sign", said["findings"][0]
-    assert said["where"]["terms"] == ["M: right", "c: right", "g: wrong", "friction: right"], said["where"]
+    assert said["where"]["terms"] == [
+        "M: right in tau", "c: right in tau", "g: wrong in tau", "friction: right in tau"], said["where"]
     assert any("10 of the" in x for x in said["where"]["growth"]) == (name == "many" or name == "all"), said["where"]
 
 # states that isolate nothing: the mistake is named all the same, and what is not told is told
