@@ -18,7 +18,7 @@ constexpr const char* kPositionsCheck =
     "sum of m p over the links that move together is their first moment of mass, of which V is made";
 constexpr const char* kVelocitiesSentence =
     "v = dp/dt of the same points, in axes of the world; omega of each link, in its own axes, from "
-    "the turn R that takes them to the world's: R' dR/dt = [omega]x. What is not listed is 0.";
+    "the turn R that takes them to the world's: (R' dR/dt) b = omega x b. What is not listed is 0.";
 constexpr const char* kChristoffelSentence =
     "Gamma_ijk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)/2; those that are not listed are 0, and "
     "Gamma_ikj = Gamma_ijk.";
