@@ -29,10 +29,15 @@ double bitsOf(const scene::Integer& n) {
 
 }  // namespace
 
+namespace {
+constexpr int kMadeBits = 13;  // more finds hardly more
+}
+
 FormulaSizes::FormulaSizes()
     : outer_(PrimeField::sizes_),
       values_(1),
       lately_(1 << 12, 0),
+      made_lately_(1 << kMadeBits),
       denominators_{{0, 0, {0, 0}}},
       index_(1 << 8, 0) {
   PrimeField::sizes_ = this;
@@ -271,10 +276,25 @@ FormulaSizes::Value FormulaSizes::sumOf(const Value& a, const Value& b) {
           size.bits + std::max(a.bits - a_size.bits, b.bits - b_size.bits) + 1, both};
 }
 
+FormulaSizes::Value FormulaSizes::productOf(const Value& a, const Value& b) {
+  return {a.degree + b.degree, a.bits + b.bits, timesDenominator(a.denominator, b.denominator)};
+}
+
+template <FormulaSizes::OfSizes Make>
+PrimeField FormulaSizes::commuting(PrimeField a, PrimeField b) {
+  std::uint64_t x = indexOf(a), y = indexOf(b);
+  if (y < x) std::swap(x, y);
+  constexpr int kIndexBits = 64 - kOperationBits;
+  const std::uint64_t of = (x << kIndexBits | y) << 1 | (Make == &FormulaSizes::productOf ? 1 : 0);
+  Made& known = made_lately_[of * kMix >> (64 - kMadeBits)];
+  if (known.of != of) known = {of, kept((this->*Make)(valueOf(a), valueOf(b)))};
+  return made(known.index);
+}
+
 PrimeField FormulaSizes::sum(PrimeField a, PrimeField b) {
   if (a.isZero()) return b;
   if (b.isZero()) return a;
-  return made(kept(sumOf(valueOf(a), valueOf(b))));
+  return commuting<&FormulaSizes::sumOf>(a, b);
 }
 
 bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
@@ -296,9 +316,7 @@ PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {
   PrimeField out;
   if (mayDivide(a) && cancelled(a, b, &out)) return out;
   if (mayDivide(b) && cancelled(b, a, &out)) return out;
-  const Value &x = valueOf(a), &y = valueOf(b);
-  return made(
-      kept({x.degree + y.degree, x.bits + y.bits, timesDenominator(x.denominator, y.denominator)}));
+  return commuting<&FormulaSizes::productOf>(a, b);
 }
 
 PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {

@@ -30,7 +30,8 @@ namespace dynwitness::crosscheck {
     read in the scope.
 
     An element holds the place of its size in a list and the number of its operation. Few sizes
-    occur, each many times: one that was met lately is not kept again. */
+    occur, each many times: one that was met lately is not kept again, and what two sizes made lately
+    is not asked for again. */
 class FormulaSizes {
  public:
   FormulaSizes();
@@ -102,6 +103,12 @@ class FormulaSizes {
     return made(kept({degree, bits, denominator}));
   }
   std::uint64_t kept(const Value& value);  ///< its index
+  Value sumOf(const Value& a, const Value& b);
+  Value productOf(const Value& a, const Value& b);
+  using OfSizes = Value (FormulaSizes::*)(const Value&, const Value&);
+  /// The value of a new operation on two, neither of them zero, that commutes.
+  template <OfSizes Make>
+  PrimeField commuting(PrimeField a, PrimeField b);
 
   /// Of the powers from `begin` on at the end of powers_, which are taken off again where they are
   /// known.
@@ -120,12 +127,16 @@ class FormulaSizes {
   bool mayDivide(PrimeField n) const {
     return may_divide_.test(operationOf(n) % may_divide_.size());
   }
-  Value sumOf(const Value& a, const Value& b);
   int constantDivisor(const scene::Integer& n);
 
   FormulaSizes* outer_;
   std::vector<Value> values_;          ///< 0 is the size of zero
   std::vector<std::uint32_t> lately_;  ///< index into values_ of the last size with this hash
+  /// What two sizes made, the last two with this hash: by the places of both.
+  struct Made {
+    std::uint64_t of = 0, index = 0;
+  };
+  std::vector<Made> made_lately_;
   std::vector<Size> divisors_;
   std::vector<Denominator> denominators_;  ///< 0 is 1
   std::vector<Power> powers_;              ///< of all denominators
