@@ -80,14 +80,15 @@ bool isReserved(std::string_view name) {
 /// "0.125" for 1/8; empty when the decimal does not end or is long.
 std::string terminatingDecimal(const Rational& x) {
   const unsigned kLongest = 40;
+  if (const auto& limbs = bottom(x).backend(); limbs.size() == 1 && *limbs.limbs() == 1)
+    return top(x).str();
   const unsigned twos = lsb(bottom(x));  // 2^twos 5^fives divides the denominator
   Integer rest = bottom(x) >> twos;
   unsigned fives = 0;
   for (; rest != 1 && rest % 5 == 0; rest /= 5) ++fives;
   const unsigned places = std::max(twos, fives);
   if (rest != 1 || places > kLongest) return {};
-  std::string digits = numerator(Rational(x * powerOfTen(places))).str();
-  if (places == 0) return digits;
+  std::string digits = Integer(top(x) * (powerOfTen(places) / bottom(x))).str();
   if (digits.size() <= places) digits.insert(0, places + 1 - digits.size(), '0');
   return digits.insert(digits.size() - places, ".");
 }

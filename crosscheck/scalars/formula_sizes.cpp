@@ -29,10 +29,15 @@ double bitsOf(const scene::Integer& n) {
 
 }  // namespace
 
+namespace {
+constexpr int kMadeBits = 13;  // more finds hardly more
+}
+
 FormulaSizes::FormulaSizes()
     : outer_(PrimeField::sizes_),
       values_(1),
-      lately_(1 << 12, 0),
+      places_(1 << 12, 0),
+      made_lately_(1 << kMadeBits),
       denominators_{{0, 0, {0, 0}}},
       index_(1 << 8, 0) {
   PrimeField::sizes_ = this;
@@ -58,22 +63,37 @@ std::uint64_t wordOf(double x) {
 
 }  // namespace
 
+std::uint64_t FormulaSizes::hashOf(const Value& value) {
+  // the last bits of both doubles are zero as a rule: those from above are brought down
+  const std::uint64_t h = mixed(mixed(wordOf(value.degree)) ^ wordOf(value.bits)) ^
+                          static_cast<std::uint64_t>(value.denominator);
+  return mixed(h);
+}
+
 std::uint64_t FormulaSizes::kept(const Value& value) {
-  const std::uint64_t h = (wordOf(value.degree) * kMix ^ wordOf(value.bits)) * kMix +
-                          static_cast<std::uint64_t>(value.denominator) * kMix;
-  std::uint32_t& last = lately_[h >> 32 & (lately_.size() - 1)];
-  const Value& other = values_[last];
-  if (other.degree == value.degree && other.bits == value.bits &&
-      other.denominator == value.denominator)
-    return last;
+  std::size_t at = hashOf(value) & (places_.size() - 1);
+  for (; places_[at] != 0; at = (at + 1) & (places_.size() - 1)) {
+    const Value& other = values_[places_[at]];
+    if (other.degree == value.degree && other.bits == value.bits &&
+        other.denominator == value.denominator)
+      return places_[at];
+  }
   const std::uint64_t index = values_.size();
   if (index >> (64 - kOperationBits) != 0)
     throw std::length_error("FormulaSizes: more than 2^28 sizes of formulas");
-  last = static_cast<std::uint32_t>(index);
+  places_[at] = static_cast<std::uint32_t>(index);
   values_.push_back(value);
-  if (values_.size() > lately_.size())
-    lately_.assign(4 * lately_.size(), 0);  // what was met is lost
+  if (2 * values_.size() > places_.size()) growPlaces();
   return index;
+}
+
+void FormulaSizes::growPlaces() {
+  places_.assign(4 * places_.size(), 0);
+  for (std::size_t i = 1; i < values_.size(); ++i) {
+    std::size_t at = hashOf(values_[i]) & (places_.size() - 1);
+    while (places_[at] != 0) at = (at + 1) & (places_.size() - 1);
+    places_[at] = static_cast<std::uint32_t>(i);
+  }
 }
 
 PrimeField FormulaSizes::made(std::uint64_t index) {
@@ -105,37 +125,34 @@ int& FormulaSizes::OfTwo::operator()(int a, int b) {
   return place->value;
 }
 
-std::uint64_t FormulaSizes::hashOf(std::size_t begin, std::size_t end) const {
-  std::uint64_t h = end - begin;
-  for (std::size_t i = begin; i < end; ++i)
-    h = (h ^ static_cast<std::uint64_t>(powers_[i].first) << 32 ^
-         static_cast<std::uint64_t>(powers_[i].second)) *
+std::uint64_t FormulaSizes::hashOf(const Power* powers, std::size_t count) {
+  std::uint64_t h = count;
+  for (std::size_t i = 0; i < count; ++i)
+    h = (h ^ static_cast<std::uint64_t>(powers[i].first) << 32 ^
+         static_cast<std::uint64_t>(powers[i].second)) *
         kMix;
   return h ^ (h >> 32);
 }
 
-int FormulaSizes::intern(std::size_t begin) {
-  const std::size_t end = powers_.size();
-  if (begin == end) return 0;
-  const auto from = powers_.begin() + static_cast<std::ptrdiff_t>(begin);
-  std::size_t at = hashOf(begin, end) & (index_.size() - 1);
+int FormulaSizes::intern(const Power* powers, std::size_t count) {
+  if (count == 0) return 0;
+  std::size_t at = hashOf(powers, count) & (index_.size() - 1);
   for (; index_[at] != 0; at = (at + 1) & (index_.size() - 1)) {
     const Denominator& known = denominators_[index_[at]];
-    if (known.end - known.begin == end - begin &&
-        std::equal(from, powers_.end(),
-                   powers_.begin() + static_cast<std::ptrdiff_t>(known.begin))) {
-      powers_.resize(begin);
+    if (known.end - known.begin == count &&
+        std::equal(powers, powers + count, powers_.data() + known.begin))
       return index_[at];
-    }
   }
   Size size{0, 0};
-  for (std::size_t i = begin; i < end; ++i) {
-    const auto& [divisor, exponent] = powers_[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [divisor, exponent] = powers[i];
     size.degree += static_cast<double>(exponent) * divisors_[divisor].degree;
     size.bits += static_cast<double>(exponent) * divisors_[divisor].bits;
   }
   const auto added = static_cast<int>(denominators_.size());
-  denominators_.push_back({begin, end, size});
+  const std::size_t begin = powers_.size();
+  powers_.insert(powers_.end(), powers, powers + count);
+  denominators_.push_back({begin, begin + count, size});
   index_[at] = added;
   if (2 * denominators_.size() > index_.size()) growIndex();
   return added;
@@ -144,16 +161,11 @@ int FormulaSizes::intern(std::size_t begin) {
 void FormulaSizes::growIndex() {
   index_.assign(2 * index_.size(), 0);
   for (std::size_t i = 1; i < denominators_.size(); ++i) {
-    std::size_t at = hashOf(denominators_[i].begin, denominators_[i].end) & (index_.size() - 1);
+    const Denominator& of = denominators_[i];
+    std::size_t at = hashOf(powers_.data() + of.begin, of.end - of.begin) & (index_.size() - 1);
     while (index_[at] != 0) at = (at + 1) & (index_.size() - 1);
     index_[at] = static_cast<int>(i);
   }
-}
-
-int FormulaSizes::intern(const Powers& powers) {
-  const std::size_t begin = powers_.size();
-  powers_.insert(powers_.end(), powers.begin(), powers.end());
-  return intern(begin);
 }
 
 FormulaSizes::Powers FormulaSizes::powersOf(int denominator) const {
@@ -165,9 +177,9 @@ FormulaSizes::Powers FormulaSizes::powersOf(int denominator) const {
 
 int FormulaSizes::combined(int a, int b, bool add) {
   const Denominator x = denominators_[a], y = denominators_[b];
-  const std::size_t begin = powers_.size(), most = (x.end - x.begin) + (y.end - y.begin);
-  powers_.resize(begin + most);
-  Power* to = powers_.data() + begin;
+  const std::size_t most = (x.end - x.begin) + (y.end - y.begin);
+  if (both_.size() < most) both_.resize(most);
+  Power* to = both_.data();
   const Power *p = powers_.data() + x.begin, *q = powers_.data() + y.begin;
   const Power *p_end = powers_.data() + x.end, *q_end = powers_.data() + y.end;
   while (p != p_end && q != q_end) {
@@ -182,8 +194,7 @@ int FormulaSizes::combined(int a, int b, bool add) {
   }
   to = std::copy(p, p_end, to);
   to = std::copy(q, q_end, to);
-  powers_.resize(static_cast<std::size_t>(to - powers_.data()));
-  return intern(begin);
+  return intern(both_.data(), static_cast<std::size_t>(to - both_.data()));
 }
 
 int FormulaSizes::timesDenominator(int a, int b) {
@@ -232,11 +243,19 @@ PrimeField FormulaSizes::constant(int value) {
 
 PrimeField FormulaSizes::constant(const scene::Rational& value) {
   if (scene::isZero(value)) return {};
-  const double bits = bitsOf(scene::top(value));
-  if (scene::bottom(value) == 1) return made(0, bits, 0);
+  return made(0, bitsOf(scene::top(value)), denominatorOf(value));
+}
+
+int FormulaSizes::denominatorOf(const scene::Rational& constant) {
+  const auto& bottom = scene::bottom(constant).backend();
+  const bool is_word = bottom.size() == 1;
+  const std::uint64_t word = is_word ? *bottom.limbs() : 0;
+  if (word == 1) return 0;
+  OfConstant& known = of_constants_[word * kMix >> 58];
+  if (is_word && known.word == word) return known.denominator;
   // decimals are what scenes are made of: common powers of 2, 3, 5, and the rest as it is
   Powers powers;
-  scene::Integer rest = scene::bottom(value);
+  scene::Integer rest = scene::bottom(constant);
   const auto factor = [&](auto& n) {
     for (const int prime : {2, 3, 5}) {
       int exponent = 0;
@@ -244,8 +263,8 @@ PrimeField FormulaSizes::constant(const scene::Rational& value) {
       if (exponent > 0) powers.emplace_back(constantDivisor(prime), exponent);
     }
   };
-  if (rest.backend().size() == 1) {
-    auto small = static_cast<std::uint64_t>(rest);
+  if (is_word) {
+    std::uint64_t small = word;
     factor(small);
     rest = small;
   } else {
@@ -253,7 +272,9 @@ PrimeField FormulaSizes::constant(const scene::Rational& value) {
   }
   if (rest != 1) powers.emplace_back(constantDivisor(rest), 1);
   std::sort(powers.begin(), powers.end());
-  return made(0, bits, intern(powers));
+  const int denominator = intern(powers);
+  if (is_word) known = {word, denominator};
+  return denominator;
 }
 
 PrimeField FormulaSizes::indeterminate(double weight) {
@@ -271,10 +292,25 @@ FormulaSizes::Value FormulaSizes::sumOf(const Value& a, const Value& b) {
           size.bits + std::max(a.bits - a_size.bits, b.bits - b_size.bits) + 1, both};
 }
 
+FormulaSizes::Value FormulaSizes::productOf(const Value& a, const Value& b) {
+  return {a.degree + b.degree, a.bits + b.bits, timesDenominator(a.denominator, b.denominator)};
+}
+
+template <FormulaSizes::OfSizes Make>
+PrimeField FormulaSizes::commuting(PrimeField a, PrimeField b) {
+  std::uint64_t x = indexOf(a), y = indexOf(b);
+  if (y < x) std::swap(x, y);
+  constexpr int kIndexBits = 64 - kOperationBits;
+  const std::uint64_t of = (x << kIndexBits | y) << 1 | (Make == &FormulaSizes::productOf ? 1 : 0);
+  Made& known = made_lately_[of * kMix >> (64 - kMadeBits)];
+  if (known.of != of) known = {of, kept((this->*Make)(valueOf(a), valueOf(b)))};
+  return made(known.index);
+}
+
 PrimeField FormulaSizes::sum(PrimeField a, PrimeField b) {
   if (a.isZero()) return b;
   if (b.isZero()) return a;
-  return made(kept(sumOf(valueOf(a), valueOf(b))));
+  return commuting<&FormulaSizes::sumOf>(a, b);
 }
 
 bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
@@ -296,9 +332,7 @@ PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {
   PrimeField out;
   if (mayDivide(a) && cancelled(a, b, &out)) return out;
   if (mayDivide(b) && cancelled(b, a, &out)) return out;
-  const Value &x = valueOf(a), &y = valueOf(b);
-  return made(
-      kept({x.degree + y.degree, x.bits + y.bits, timesDenominator(x.denominator, y.denominator)}));
+  return commuting<&FormulaSizes::productOf>(a, b);
 }
 
 PrimeField FormulaSizes::quotient(PrimeField a, PrimeField b) {

@@ -3,6 +3,7 @@
 // on.
 #pragma once
 
+#include <array>
 #include <bitset>
 #include <cstdint>
 #include <map>
@@ -30,7 +31,8 @@ namespace dynwitness::crosscheck {
     read in the scope.
 
     An element holds the place of its size in a list and the number of its operation. Few sizes
-    occur, each many times: one that was met lately is not kept again. */
+    occur, each many times: each is kept once, and what two sizes made lately is not asked for
+    again. */
 class FormulaSizes {
  public:
   FormulaSizes();
@@ -102,17 +104,23 @@ class FormulaSizes {
     return made(kept({degree, bits, denominator}));
   }
   std::uint64_t kept(const Value& value);  ///< its index
+  static std::uint64_t hashOf(const Value& value);
+  void growPlaces();
+  Value sumOf(const Value& a, const Value& b);
+  Value productOf(const Value& a, const Value& b);
+  using OfSizes = Value (FormulaSizes::*)(const Value&, const Value&);
+  /// The value of a new operation on two, neither of them zero, that commutes.
+  template <OfSizes Make>
+  PrimeField commuting(PrimeField a, PrimeField b);
 
-  /// Of the powers from `begin` on at the end of powers_, which are taken off again where they are
-  /// known.
-  int intern(std::size_t begin);
-  int intern(const Powers& powers);
+  int intern(const Power* powers, std::size_t count);
+  int intern(const Powers& powers) { return intern(powers.data(), powers.size()); }
   Powers powersOf(int denominator) const;
   int timesDenominator(int a, int b);
   int common(int a, int b);  ///< least common multiple
   int combined(int a, int b, bool add);
   void growIndex();
-  std::uint64_t hashOf(std::size_t begin, std::size_t end) const;  ///< of powers
+  static std::uint64_t hashOf(const Power* powers, std::size_t count);
   int newDivisor(Size size);
   int divisorOf(PrimeField value);  ///< the divisor that value's numerator is
   /// (N / E) (X / (N F)) = X / (E F), where N was divided by before. @return whether it was
@@ -120,12 +128,17 @@ class FormulaSizes {
   bool mayDivide(PrimeField n) const {
     return may_divide_.test(operationOf(n) % may_divide_.size());
   }
-  Value sumOf(const Value& a, const Value& b);
   int constantDivisor(const scene::Integer& n);
+  int denominatorOf(const scene::Rational& constant);
 
   FormulaSizes* outer_;
   std::vector<Value> values_;          ///< 0 is the size of zero
-  std::vector<std::uint32_t> lately_;  ///< index into values_ of the last size with this hash
+  std::vector<std::uint32_t> places_;  ///< of values_, found by hash; 0: empty
+  /// What two sizes made, the last two with this hash: by the places of both.
+  struct Made {
+    std::uint64_t of = 0, index = 0;
+  };
+  std::vector<Made> made_lately_;
   std::vector<Size> divisors_;
   std::vector<Denominator> denominators_;  ///< 0 is 1
   std::vector<Power> powers_;              ///< of all denominators
@@ -134,6 +147,13 @@ class FormulaSizes {
   std::unordered_map<std::uint64_t, int> divisor_of_operation_;
   std::bitset<1 << 14> may_divide_;  ///< by the last bits of the operation
   std::map<scene::Integer, int> constants_;
+  /// The last rational with this hash: its denominator, one word, and which of denominators_ it is.
+  struct OfConstant {
+    std::uint64_t word = 1;
+    int denominator = 0;
+  };
+  std::array<OfConstant, 64> of_constants_;
+  std::vector<Power> both_;  ///< of two denominators, while they are looked for
   std::uint64_t operations_ = 0;
   double total_degree_ = 0, total_bits_ = 0;
 };

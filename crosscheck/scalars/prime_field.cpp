@@ -79,6 +79,7 @@ PrimeField PrimeField::sizedConstant(int value) {
   return sizes_->constant(value);
 }
 PrimeField PrimeField::product(PrimeField a, PrimeField b) {
+  if (a.isZero() || b.isZero()) return {};  // of either kind: two of three products of a sweep
   if (__builtin_expect(isSized(), 0)) return sizes_->product(a, b);
   return {nmod_mul(a.word_, b.word_, modulus_), Raw{}};
 }
