@@ -398,6 +398,36 @@ bool ClosedAlgebra::isZero(const GiNaC::ex& x) {
   return reduced(polynomial(x), Role::kSin).empty();
 }
 
+GiNaC::ex ClosedAlgebra::withoutCosineSquares(const GiNaC::ex& x) {
+  GiNaC::ex out = x.expand();
+  for (int k = 0; k < equations_.dof(); ++k) {
+    const GiNaC::ex c = input(Input::kCos, k), s = input(Input::kSin, k), rest = 1 - s * s;
+    GiNaC::ex sum = 0;
+    for (int e = out.ldegree(c); e <= out.degree(c); ++e)
+      sum += out.coeff(c, e) * pow(c, e % 2) * pow(rest, e / 2);
+    out = sum.expand();
+  }
+  return out;
+}
+
+std::optional<Formula> ClosedAlgebra::quotient(const GiNaC::ex& dividend, const GiNaC::ex& divisor,
+                                               std::size_t most_terms) {
+  const GiNaC::ex whole = withoutCosineSquares(dividend), by = withoutCosineSquares(divisor);
+  for (const GiNaC::ex& x : {whole, by})
+    if (GiNaC::is_a<GiNaC::add>(x) && x.nops() > most_terms) return std::nullopt;
+  const GiNaC::ex both = (whole / by).normal().numer_denom();
+  GiNaC::ex up = both.op(0), down = both.op(1);
+  if (reduced(polynomial(down), Role::kSin).begin()->second < 0) {
+    up = -up;
+    down = -down;
+  }
+  const Formula above = formula(up), below = formula(down);
+  if (below.kind == Formula::Kind::kNumber && below.number == 1) return above;
+  if (above.kind == Formula::Kind::kNegate)
+    return Formula::negate(Formula::quotient(above.operands.front(), below));
+  return Formula::quotient(above, below);
+}
+
 // ---- several forms of one polynomial ------------------------------------------------------------
 
 std::vector<ClosedAlgebra::Polynomial> ClosedAlgebra::forms(const Polynomial& p) {

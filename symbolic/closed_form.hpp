@@ -45,6 +45,14 @@ class ClosedAlgebra {
       alone. */
   Formula formula(const GiNaC::ex& x);
 
+  /** dividend / divisor, common factors divided out as far as they are polynomials in other letters
+      than cosines and sines, on which c^2 + s^2 = 1 is used first; signs are the divisor's, whose
+      first term is positive. The divisor is not 0.
+      @return none: one of them has more than `most_terms` terms, and common factors are not
+        looked for */
+  std::optional<Formula> quotient(const GiNaC::ex& dividend, const GiNaC::ex& divisor,
+                                  std::size_t most_terms);
+
   /** formula() of a node, multiplied out without GiNaC and given up where that grows: whatever the
       number of joints, what is short is found in a time that its graph decides.
       @return none: on the way, or at last, it has too many terms (see closed_entries.cpp) */
@@ -86,6 +94,7 @@ class ClosedAlgebra {
   const Polynomial* known(Node node) const;
   std::optional<Polynomial> boundedProduct(const Polynomial& a, const Polynomial& b);
   Polynomial reduced(const Polynomial& p, Role power_kept) const;
+  GiNaC::ex withoutCosineSquares(const GiNaC::ex& x);
   Polynomial inSummedAngles(const Polynomial& p);
   Polynomial inMultipleAngles(const Polynomial& p);
   /// The forms that formula() chooses from.

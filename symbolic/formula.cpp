@@ -78,6 +78,13 @@ Formula Formula::power(Formula base, int exponent) {
   return f;
 }
 
+Formula Formula::quotient(Formula dividend, Formula divisor) {
+  Formula f;
+  f.kind = Kind::kQuotient;
+  f.operands = {std::move(dividend), std::move(divisor)};
+  return f;
+}
+
 Formula Formula::function(Kind cos_or_sin, Formula angle) {
   Formula f;
   f.kind = cos_or_sin;
@@ -308,6 +315,8 @@ class Printer {
         return 1;
       case Formula::Kind::kProduct:
         return 2;
+      case Formula::Kind::kQuotient:
+        return isCode() ? 4 : 2;
       case Formula::Kind::kPower:
         return isCode() ? 4 : f.exponent > 0 ? 3 : 2;  // (x*x) in code
       case Formula::Kind::kNumber:
@@ -340,6 +349,8 @@ class Printer {
         return product(f);
       case Formula::Kind::kPower:
         return power(f);
+      case Formula::Kind::kQuotient:
+        return quotient(f);
       case Formula::Kind::kCos:
         return function("cos", f.operands.front(), 1);
       case Formula::Kind::kSin:
@@ -367,8 +378,8 @@ class Printer {
   std::string parenthesised(const std::string& text) const {
     switch (style_) {
       case Style::kLatex:  // \left( is a group, in which TeX breaks no line
-        return text.find("\\frac{1}") != std::string::npos ? "\\bigl(" + text + "\\bigr)"
-                                                           : "(" + text + ")";
+        return text.find("\\frac{") != std::string::npos ? "\\bigl(" + text + "\\bigr)"
+                                                         : "(" + text + ")";
       case Style::kMathml:
         return "<mrow><mo>(</mo>" + text + "<mo>)</mo></mrow>";
       default:
@@ -529,6 +540,21 @@ class Printer {
                                                                : 2);
     }
     return style_ == Style::kMathml ? "<mrow>" + text + "</mrow>" : text;
+  }
+
+  std::string quotient(const Formula& f) const {
+    const Formula &dividend = f.operands[0], &divisor = f.operands[1];
+    switch (style_) {
+      case Style::kLatex:
+        return "\\frac{" + print(dividend) + "}{" + print(divisor) + "}";
+      case Style::kMathml:
+        return "<mfrac><mrow>" + print(dividend) + "</mrow><mrow>" + print(divisor) +
+               "</mrow></mfrac>";
+      case Style::kText:
+        return at(dividend, 2) + "/" + at(divisor, 3);
+      default:
+        return "(" + at(dividend, 4) + "/" + at(divisor, 4) + ")";
+    }
   }
 
   std::string power(const Formula& f) const {

@@ -20,6 +20,7 @@ struct Formula {
     kNegate,
     kProduct,
     kPower,
+    kQuotient,
     kCos,
     kSin,
     kMatrix
@@ -33,8 +34,9 @@ struct Formula {
   Input input = Input::kPosition;  ///< kInput
   int joint = 0;                   ///< kInput: counted from 0
   int exponent = 1;                ///< kPower, may be negative
-  std::vector<Formula> operands;   ///< terms, factors, the one operand, or entries row by row
-  std::size_t columns = 0;         ///< kMatrix
+  /// Terms, factors, the one operand, dividend and divisor, or entries row by row.
+  std::vector<Formula> operands;
+  std::size_t columns = 0;  ///< kMatrix
 
   static Formula ofNumber(const Rational& value);
   static Formula ofSymbol(const std::string& name);
@@ -43,6 +45,7 @@ struct Formula {
   static Formula product(std::vector<Formula> factors);  ///< flattened; of none: 1
   static Formula negate(Formula operand);
   static Formula power(Formula base, int exponent);
+  static Formula quotient(Formula dividend, Formula divisor);
   static Formula function(Kind cos_or_sin, Formula angle);
   static Formula matrix(std::vector<Formula> entries, std::size_t columns);  ///< not in code
   /// A number of the scene as its author wrote it.

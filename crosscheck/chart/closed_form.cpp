@@ -96,6 +96,8 @@ class PrintedFormula {
         for (int i = 0; i < std::abs(exponent_); ++i) power *= base;
         return exponent_ < 0 ? 1 / power : power;
       }
+      case Formula::Kind::kQuotient:
+        return operands_[0](s) / operands_[1](s);
       case Formula::Kind::kCos:
         return std::cos(operands_[0](s));
       case Formula::Kind::kSin:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness linearize: A, B, modes, stability and what forces reach, near a state.
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -12,10 +13,14 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/shown_derivation.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/studies/given_values.hpp"
+#include "crosscheck/studies/linear_letters.hpp"
 #include "crosscheck/studies/linearization.hpp"
 #include "crosscheck/system/files.hpp"
+#include "symbolic/read_back.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -27,6 +32,8 @@ constexpr int kMostShown = 4;  // joints whose A and B are printed
 struct Arguments {
   GivenScene scene;
   std::string json;
+  bool is_symbolic = false;
+  std::string format = "text", output;  ///< of what is symbolic
   std::optional<StateOption> q, qd;
   LinearizationOptions options;
 };
@@ -156,9 +163,66 @@ Json toJson(double radius) {
   return std::isfinite(radius) ? Json(radius) : Json("inf");
 }
 
+/** What is 0 or a right angle is put in; of an equilibrium that was found also what is as near to one
+    as Newton's steps come, if joint forces are 0 there whatever the parameters are. */
+symbolic::LinearSystem lettersAt(const scene::Scene& scene, const LinearizationOptions& options,
+                                 const Linearization& at) {
+  const bool is_unaccelerated = at.rests || !options.has_no_forces;
+  const auto letters = [&](double near) {
+    return symbolic::linearSystem(
+        scene.mechanism, symbolic::putIn(scene.mechanism, at.q, at.qd, is_unaccelerated, near),
+        at.actuated);
+  };
+  if (options.seeks_equilibrium) {
+    const double near = std::sqrt(std::numeric_limits<double>::epsilon());
+    symbolic::LinearSystem found = letters(near);
+    if (found.is_forceless) return found;
+  }
+  return letters(0);
+}
+
+int showLetters(const Arguments& arguments, const scene::Scene& scene, const Linearization& at,
+                std::optional<Progress>& progress) {
+  progress->stage("A and B in letters");
+  symbolic::LinearSystem letters;
+  try {
+    letters = lettersAt(scene, arguments.options, at);
+  } catch (const std::domain_error& why) {
+    throw scene::InputError(
+        {scene.file.string(), 0},
+        fmt::format("--symbolic: {}, allowed: states that have an answer", why.what()));
+  }
+  const symbolic::Derivation& shown = letters.derivation;
+  const symbolic::Style style = styleOf(arguments.format);
+  DocumentParts parts;
+  parts.summary = "Motion near a state to first order, derived from kinetic and potential energy.";
+  const std::string text = derivationDocument(scene, shown, style, parts);
+  const symbolic::ReadBack read = symbolic::readBack(shown, text, style);
+  const std::vector<CheckResult> checks = checkLettersExactly(scene, letters);
+  progress.reset();
+  const bool is_page = style != symbolic::Style::kText && arguments.output.empty();
+  if (arguments.output.empty())
+    fmt::print("{}", text);
+  else
+    writeWholeFile(arguments.output, text);
+  const bool disagree = std::any_of(checks.begin(), checks.end(), [](const CheckResult& check) {
+    return check.verdict == Verdict::kDisagree;
+  });
+  if (!is_page) printFindings(checks);
+  if (disagree && is_page) tellFailure("dynwitness: the letters are not what the sweeps say\n");
+  if (!shown.holds()) tellFailure("dynwitness: a step of the derivation does not hold\n");
+  if (!read.problem.empty())
+    tellFailure(fmt::format("dynwitness: read back from what is printed: {}\n", read.problem));
+  return disagree || !shown.holds() || !read.problem.empty() ? 1 : 0;
+}
+
 int run(Arguments arguments) {
   requireWritableFile(arguments.json);
+  requireWritableFile(arguments.output);
+  if (!arguments.is_symbolic && (arguments.format != "text" || !arguments.output.empty()))
+    throw scene::InputError({}, "--format and --output are for --symbolic, allowed: --json FILE");
   const scene::Scene scene = admitted(arguments.scene, Command::kLinearize);
+  if (arguments.is_symbolic) requireLetters(scene);
   LinearizationOptions& options = arguments.options;
   options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
   if (arguments.qd->isGiven()) options.qd = arguments.qd->values(scene, restingRates(scene));
@@ -174,6 +238,7 @@ int run(Arguments arguments) {
     requireFinite(what, m->value);
     requireFinite(what, m->bound);
   }
+  if (arguments.is_symbolic) return showLetters(arguments, scene, at, progress);
   progress->stage("exact checks");
   std::vector<CheckResult> checks = checkLinearizationExactly(scene, {});
   if (at.by_lagrange) checks.push_back(*at.by_lagrange);
@@ -254,17 +319,29 @@ Run addLinearize(CLI::App* command) {
   command
       ->add_option("--actuated", options.actuated, "Joints whose forces are at hand (default: all)")
       ->delimiter(',');
-  addJson(*command, arguments->json);
+  command
+      ->add_flag("--symbolic", arguments->is_symbolic,
+                 "A and B in letters instead, from T and V: trees of up to three joints. Angles of "
+                 "whole right angles and what is 0 are put in, other q, qd stay letters")
+      ->excludes(addJson(*command, arguments->json));
+  command->add_option("--format", arguments->format, "How letters are written")
+      ->capture_default_str()
+      ->check(oneOf({"text", "latex", "html"}));
+  addOutput(*command, arguments->output, "file, of --symbolic; without: standard output");
   command->footer(
       "Examples:\n"
       "  dynwitness linearize acrobot --q pi,0 --actuated elbow\n"
       "  dynwitness linearize double_pendulum --equilibrium --q 0.3,-0.2\n"
       "  dynwitness linearize bead_on_hoop --equilibrium --q 0,1\n"
+      "  dynwitness linearize cart_pole --symbolic --q 0,0 --actuated slide\n"
+      "  dynwitness linearize double_pendulum --symbolic --format html -o near.html\n"
       "Under closures and drives A is about as many coordinates as are left; driven joints are where\n"
       "their motions put them at t = 0 (no --q, --qd says otherwise), and q and qd are moved onto the closures.\n"
       "Entries and eigenvalues are enclosed in balls; the derivatives' laws are checked over a "
       "prime field\n"
-      "for every state. Exit status 1: one fails.");
+      "for every state. What --symbolic prints is read back, and compared with dual numbers in the "
+      "sweeps for all\n"
+      "values of its letters, over a prime field. Exit status 1: one fails.");
   return [arguments] { return run(*arguments); };
 }
 

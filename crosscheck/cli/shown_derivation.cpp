@@ -65,10 +65,10 @@ addEventListener('afterprint', () => { for (const fold of unfolded.splice(0)) fo
 )";
 
 /// The mechanism as `show` draws it, what each q means, and below it the steps.
-std::string htmlPage(const scene::Scene& scene, const std::string& body) {
+std::string htmlPage(const scene::Scene& scene, const std::string& summary,
+                     const std::string& body) {
   return crosscheck::viewPage(
-      crosscheck::viewOf(scene), DYNWITNESS_VERSION,
-      "<p class=\"soft\">The equations of motion, derived from kinetic and potential energy.</p>\n",
+      crosscheck::viewOf(scene), DYNWITNESS_VERSION, "<p class=\"soft\">" + summary + "</p>\n",
       fmt::format("{}<style>{}</style>\n<section>\n<h2>Derivation</h2>\n{}</section>\n"
                   "<script>{}</script>\n",
                   crosscheck::jointsHtml(scene), kDerivationCss, body, kDerivationScript));
@@ -196,6 +196,22 @@ std::string quantityOf(const ShownDerivation& asked) {
 
 }  // namespace
 
+symbolic::Style styleOf(const std::string& format) {
+  return format == "html"    ? symbolic::Style::kMathml
+         : format == "latex" ? symbolic::Style::kLatex
+                             : symbolic::Style::kText;
+}
+
+std::string derivationDocument(const scene::Scene& scene, const symbolic::Derivation& shown,
+                               symbolic::Style style, const DocumentParts& parts) {
+  const std::string body = symbolic::print(shown, style, parts.checks);
+  if (style == symbolic::Style::kText) return body;
+  if (style == symbolic::Style::kMathml) return htmlPage(scene, parts.summary, body);
+  const std::string mechanism =
+      parts.mechanism ? latexDrawing(crosscheck::viewOf(scene)) + latexJoints(scene) : "";
+  return latexDocument(symbolic::printText(scene.title, style), mechanism + body);
+}
+
 DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& asked) {
   const std::string quantity = quantityOf(asked);
   const auto names = pairsOf(asked.names);
@@ -216,19 +232,11 @@ DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& 
     shown.steps.front().sentence +=
         fmt::format(" Put in: {}.", fmt::join(asked.substitutions, ", "));
 
-  const symbolic::Style style = asked.format == "html"    ? symbolic::Style::kMathml
-                                : asked.format == "latex" ? symbolic::Style::kLatex
-                                                          : symbolic::Style::kText;
-  const std::string body = symbolic::print(shown, style, asked.checks),
-                    title = symbolic::printText(scene.title, style);
-  // who asks for a line wants that line
-  const std::string mechanism =
-      style == symbolic::Style::kLatex && asked.only.empty()
-          ? latexDrawing(crosscheck::viewOf(changed)) + latexJoints(changed)
-          : "";
-  out.text = style == symbolic::Style::kText     ? body
-             : style == symbolic::Style::kMathml ? htmlPage(scene, body)
-                                                 : latexDocument(title, mechanism + body);
+  const symbolic::Style style = styleOf(asked.format);
+  DocumentParts parts;
+  parts.checks = asked.checks;
+  parts.mechanism = asked.only.empty();  // who asks for a line wants that line
+  out.text = derivationDocument(changed, shown, style, parts);
   if (!asked.proof) return out;
   const symbolic::ReadBack read = symbolic::readBack(shown, out.text, style);
   out.problem = read.problem;

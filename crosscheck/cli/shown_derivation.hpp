@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "symbolic/derivation.hpp"
 
 namespace dynwitness::cli {
 
@@ -25,6 +26,17 @@ struct DerivationText {
   bool holds = true;
   std::string proof, problem;  ///< what was read back; what was found then
 };
+
+/// What stands around the steps of a derivation.
+struct DocumentParts {
+  /// HTML: what the page is.
+  std::string summary = "The equations of motion, derived from kinetic and potential energy.";
+  bool checks = true;     ///< what was checked
+  bool mechanism = true;  ///< LaTeX: a drawing, and which joint each q is
+};
+symbolic::Style styleOf(const std::string& format);  ///< text, latex, html
+std::string derivationDocument(const scene::Scene& scene, const symbolic::Derivation& shown,
+                               symbolic::Style style, const DocumentParts& parts);
 
 /// @throws scene::InputError  a name that is none, with the nearest
 DerivationText derivationText(const scene::Scene& scene, const ShownDerivation& asked);
