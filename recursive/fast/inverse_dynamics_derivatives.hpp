@@ -18,8 +18,8 @@ template <typename Pack, typename T>
 struct JointMotion {
   Pack v, w, a, wd;  ///< at these rates and accelerations
 };
-template <typename Pack, typename T>
-DYNWITNESS_INLINE JointMotion<Pack, T> jointMotion(const Link<T>& link, const T* qd, const T* qdd,
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE JointMotion<Pack, T> jointMotion(const Link<P>& link, const T* qd, const T* qdd,
                                                    const Pack& e_x, const Pack& e_y,
                                                    const Pack& e_z) {
   const auto along = [&](const Vec<T>& v) { return v.x * e_x + v.y * e_y + v.z * e_z; };
@@ -30,15 +30,15 @@ DYNWITNESS_INLINE JointMotion<Pack, T> jointMotion(const Link<T>& link, const T*
 }
 
 /// Axes, motion and joint axes of all links, into frames and lanes.
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void moveOutward(const Plan<T>& plan, const JointPosition<T>* x, const T* qd,
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE void moveOutward(const Plan<P>& plan, const JointPosition<T>* x, const T* qd,
                                    const T* qdd, DerivativesWorkspace<T>& ws) {
   using Frame = typename DerivativesWorkspace<T>::Frame;
   const int n = static_cast<int>(plan.links.size());
-  const Link<T>* const links = plan.links.data();
+  const Link<P>* const links = plan.links.data();
   Frame* const frames = ws.frames.data();
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = links[i];
+    const Link<P>& link = links[i];
     const Frame& parent = frames[link.parent];
     Frame& frame = frames[i + 1];
     auto& body = ws.bodies[ws.lanes[i] / kBlock];
@@ -87,7 +87,7 @@ DYNWITNESS_INLINE void moveOutward(const Plan<T>& plan, const JointPosition<T>* 
         v2_J.store(frame.v2_J);
         body.v2_J.scatter(at, v2_J);
       } else {
-        const auto J = jointMotion<Pack>(link, qd, qdd, e_x, e_y, e_z);
+        const auto J = jointMotion<Pack, T>(link, qd, qdd, e_x, e_y, e_z);
         w = w + J.w;
         for (int k = 0; k < link.axes; ++k) {
           tellAxis(k, link.axes == 1 ? w_p : w);
@@ -171,8 +171,8 @@ Mat<T> minusTwoSkews(const Vec<T>& r, const Vec<T>& F) {
 }
 
 /// Loads off the links' wrenches, and how those in world axes turn with their links.
-template <typename T>
-void subtractLoads(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
+template <typename T, typename P>
+void subtractLoads(const Plan<P>& plan, DerivativesWorkspace<T>& ws) {
   const auto subtract = [&](int i, const Vec<T>& force, const Vec<T>& moment) {
     auto& b = ws.bodies[ws.lanes[i] / kBlock];
     const int at = ws.lanes[i] % kBlock;
@@ -181,21 +181,22 @@ void subtractLoads(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
   };
   const auto n = static_cast<int>(plan.links.size());
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     if (!link.is_loaded) continue;
     const auto& b = ws.bodies[ws.lanes[i] / kBlock];
     const int at = ws.lanes[i] % kBlock;
-    subtract(i, alongWorld(b, at, link.force), alongWorld(b, at, link.moment));
+    subtract(i, alongWorld(b, at, in<T>(link.force)), alongWorld(b, at, in<T>(link.moment)));
   }
   for (auto& turned : ws.turned)
     turned = {Vec<T>::zero(), {T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0)}};
-  for (const PlannedLoad<T>& load : plan.world_loads) {
+  for (const PlannedLoad<P>& load : plan.world_loads) {
     const int lane = ws.lanes[load.link];
-    const Vec<T> r = alongWorld(ws.bodies[lane / kBlock], lane % kBlock, load.at);
-    subtract(load.link, load.force, load.moment + cross(r, load.force));
+    const Vec<T> r = alongWorld(ws.bodies[lane / kBlock], lane % kBlock, in<T>(load.at));
+    const Vec<T> force = in<T>(load.force), moment = in<T>(load.moment);
+    subtract(load.link, force, moment + cross(r, force));
     auto& turned = ws.turned[load.link + 1];
-    turned.force = turned.force + load.force;
-    turned.K = sum(turned.K, sum(minusSkew(load.moment), minusTwoSkews(r, load.force)));
+    turned.force = turned.force + force;
+    turned.K = sum(turned.K, sum(minusSkew(moment), minusTwoSkews(r, force)));
   }
 }
 
@@ -212,8 +213,8 @@ void copyBody(const Bodies& from, int a, Bodies& to, int b) {
 }
 
 /// Onto what the parent sees of link i: a gyroscopic rotor that it carries, (13).
-template <typename T>
-void addRotor(const Link<T>& link, const typename DerivativesWorkspace<T>::Axes& axes, int l,
+template <typename T, typename P>
+void addRotor(const Link<P>& link, const typename DerivativesWorkspace<T>::Axes& axes, int l,
               const Vec<T>& z, const T* qd, const T* qdd, Vec<T>& moment, Vec<T>& N_x, Vec<T>& N_y,
               Vec<T>& N_z) {
   const Vec<T> L = z * (link.spin * qd[link.dof]);
@@ -224,12 +225,12 @@ void addRotor(const Link<T>& link, const typename DerivativesWorkspace<T>::Axes&
 }
 
 /// All that is outboard of each joint as one body: (6).
-template <typename T>
-DYNWITNESS_INLINE void sumInward(const Plan<T>& plan, const T* qd, const T* qdd,
+template <typename T, typename P>
+DYNWITNESS_INLINE void sumInward(const Plan<P>& plan, const T* qd, const T* qdd,
                                  DerivativesWorkspace<T>& ws) {
   const auto vec = [](const T* v) { return Vec<T>{v[0], v[1], v[2]}; };
   for (int i = static_cast<int>(plan.links.size()) - 1; i >= 0; --i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     const auto& b = ws.bodies[ws.lanes[i] / kBlock];
     const int at = ws.lanes[i] % kBlock;
     for (int k = 1; k < link.axes; ++k)
@@ -308,11 +309,11 @@ DYNWITNESS_INLINE void columnsOf(Axes& a, const Bodies& b) {
 }
 
 /// (12): what turning loads in world axes adds to the columns of link i, and to rows.
-template <typename T>
-void addTurnedLoads(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
+template <typename T, typename P>
+void addTurnedLoads(const Plan<P>& plan, DerivativesWorkspace<T>& ws) {
   if (ws.turned.empty()) return;
   for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     const auto& turned = ws.turned[i + 1];
     for (int k = 0; k < link.axes; ++k) {
       auto& a = ws.axes[(link.column + k) / kBlock];
@@ -348,8 +349,8 @@ DYNWITNESS_INLINE void writeDiagonal(const typename DerivativesWorkspace<T>::Axe
 }
 
 /// Entries of the axes of a joint that has several, but for those with themselves.
-template <typename T>
-void writeSeveral(const Link<T>& link, const DerivativesWorkspace<T>& ws,
+template <typename T, typename P>
+void writeSeveral(const Link<P>& link, const DerivativesWorkspace<T>& ws,
                   const ForceDerivatives<T>& out) {
   for (int k = 0; k < link.axes; ++k) {
     const auto& a = ws.axes[(link.column + k) / kBlock];
@@ -378,11 +379,11 @@ DYNWITNESS_INLINE void turnWrenches(Axes& a, const Bodies& b) {
 }
 
 /// (14): beyond the joint the carried rotor is felt.
-template <typename T>
-void addSpins(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
+template <typename T, typename P>
+void addSpins(const Plan<P>& plan, DerivativesWorkspace<T>& ws) {
   if (!plan.has_specials) return;
   for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     if (!link.is_special) continue;
     const T* const e_z = ws.frames[i + 1].z;
     const Vec<T> spin = Vec<T>{e_z[0], e_z[1], e_z[2]} * link.spin;
@@ -494,22 +495,22 @@ DYNWITNESS_INLINE void writeEntries(const Entries<Pack, T>& to, const Carried<Pa
 }
 
 /// One block inward: what the joints on the way to the world feel of its columns, and it of them.
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void carryInward(const Plan<T>& plan, const ColumnBlock& block,
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE void carryInward(const Plan<P>& plan, const ColumnBlock& block,
                                    const DerivativesWorkspace<T>& ws,
                                    const ForceDerivatives<T>& out) {
   const bool has_world_loads = !ws.turned.empty();
   const auto& own = ws.axes[block.begin / kBlock];
-  const Link<T>* const links = plan.links.data();
+  const Link<P>* const links = plan.links.data();
   const auto* const frames = ws.frames.data();
   const auto* const all_axes = ws.axes.data();
   int record = block.last_link + 1;
   Carried<Pack, T> carried(own, links[record - 1].column - block.begin);
   while (links[record - 1].parent > 0) {
-    const Link<T>& link = links[record - 1];
+    const Link<P>& link = links[record - 1];
     const auto& frame = frames[record];
     record = link.parent;
-    const Link<T>& next = links[record - 1];
+    const Link<P>& next = links[record - 1];
     if (link.is_apart) carried.shift(frame.p);
     if (link.is_apart || !isTurn(next.step)) carried.pass(frame.u2);
     for (int l = 0; l < next.axes; ++l) {
@@ -534,16 +535,16 @@ DYNWITNESS_INLINE void carryInward(const Plan<T>& plan, const ColumnBlock& block
 }
 
 /// Zeros where joints do not feel each other.
-template <typename T>
-void clear(const Plan<T>& plan, const ForceDerivatives<T>& out) {
+template <typename T, typename P>
+void clear(const Plan<P>& plan, const ForceDerivatives<T>& out) {
   const std::size_t n = plan.dof;
   if (plan.is_chain) return;  // there are none
   for (T* const matrix : {out.dtau_dq, out.dtau_dqd, out.M}) std::fill_n(matrix, n * n, T(0));
 }
 
 /// Writes what is not zero by nature.
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void inverseDynamicsDerivativesBody(const Plan<T>& plan,
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE void inverseDynamicsDerivativesBody(const Plan<P>& plan,
                                                       const JointPosition<T>* x, const T* qd,
                                                       const T* qdd, DerivativesWorkspace<T>& ws,
                                                       const ForceDerivatives<T>& out) {
