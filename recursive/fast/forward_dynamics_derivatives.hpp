@@ -40,18 +40,8 @@ AccelerationDerivativesWorkspace<T>::AccelerationDerivativesWorkspace(const Plan
       rows(plan.dof * 2 * width, T(0)),
       M(plan.dof * width, T(0)),
       inverse(plan.dof * width, T(0)) {
-  std::vector<std::vector<int>> in(plan.dof), out(plan.dof);
-  for (const Link<P>& link : plan.links) {
-    int p = link.parent;
-    while (p > 0 && plan.links[p - 1].axes == 0) p = plan.links[p - 1].parent;
-    const int last = p == 0 ? -1 : plan.links[p - 1].dof + plan.links[p - 1].axes - 1;
-    for (int k = 0, d = link.dof; k < link.axes; ++k, ++d) {
-      const int next = k == 0 ? last : d - 1;
-      if (next < 0) continue;
-      in[d] = in[next];
-      in[d].push_back(next);
-    }
-  }
+  const std::vector<std::vector<int>> in = ratesInboard(plan);
+  std::vector<std::vector<int>> out(plan.dof);
   for (int i = plan.dof - 1; i >= 0; --i)
     for (const int j : in[i]) out[j].push_back(i);
   for (int i = 0; i < plan.dof; ++i) {

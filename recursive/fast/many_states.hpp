@@ -33,6 +33,8 @@ struct ManyStatesWorkspace {
   std::vector<JointPosition<S>> x;
   std::vector<S> rates, given, out;  ///< qd; qdd or tau; the answer
   std::vector<S> M;                  ///< n n numbers, once it was asked for
+  std::vector<int> places;           ///< in M, of packed numbers
+  std::vector<S> packed;
   InverseDynamicsWorkspace<S> id;
   MassMatrixWorkspace<S> m;
   ForwardDynamicsWorkspace<S> fd;
@@ -44,7 +46,7 @@ struct Asked {
   Strided<const double> q, qd, given;  ///< given: qdd of tau, tau of qdd
   Strided<double> out;
 };
-enum class Sweep { kInverseDynamics, kMassMatrix, kForwardDynamics };
+enum class Sweep { kInverseDynamics, kMassMatrix, kPackedMassMatrix, kForwardDynamics };
 
 template <Sweep kSweep, int N>
 DYNWITNESS_INLINE void sweepBlocks(const Plan<double>& plan, ManyStatesWorkspace<N>& ws,
@@ -56,6 +58,11 @@ DYNWITNESS_INLINE void sweepBlocks(const Plan<double>& plan, ManyStatesWorkspace
     if constexpr (kSweep == Sweep::kMassMatrix) {
       massMatrixBody<Lanes<S>>(plan, ws.x.data(), ws.m, ws.M.data());
       scatterAll(ws.M.data(), plan.dof * plan.dof, asked.out, first, count);
+    } else if constexpr (kSweep == Sweep::kPackedMassMatrix) {
+      massMatrixBody<Lanes<S>, false>(plan, ws.x.data(), ws.m, ws.M.data());
+      for (std::size_t k = 0; k < ws.places.size(); ++k)
+        ws.packed[k] = ws.M[static_cast<std::size_t>(ws.places[k])];
+      scatterAll(ws.packed.data(), static_cast<int>(ws.places.size()), asked.out, first, count);
     } else {
       numbersOf(asked.qd, first, count, plan.dof, ws.rates.data());
       numbersOf(asked.given, first, count, plan.dof, ws.given.data());
@@ -92,14 +99,19 @@ DYNWITNESS_FOR_AVX512 __attribute__((flatten)) void sweep(const Plan<double>& pl
 
 }  // namespace detail
 
+/// Where a number of M stands: column <= row.
+struct MassMatrixEntry {
+  int row, column;
+};
+
 /** A mechanism that is decided when the program runs, made ready once, then asked at many states
     at once: each gets the same bits as from Dynamics, one by one (compiled as x86-64 is by default,
     without FMA, or with -ffp-contract=off: which sums fuse is else the compiler's choice).
 
     Arrays are read and written where they stand (Strided), which may be NumPy's: q has
     model.positions numbers a state, qd, qdd, tau model.dof() each, M the square of that. They may
-    not overlap. No call allocates, but that the first massMatrix() takes room for M of `width()`
-    states. One object serves one thread. */
+    not overlap. No call allocates, but that the first massMatrix() and the first packedMassMatrix()
+    take room for M of `width()` states. One object serves one thread. */
 class ManyStates {
  public:
   /// @param width  states side by side: 2, 4 or 8, as wide as the processor has them or narrower
@@ -117,6 +129,31 @@ class ManyStates {
     const auto n = static_cast<std::size_t>(plan_.dof);
     workspace_.visit([n](auto& ws) { ws.M.resize(n * n); });
     sweep<detail::Sweep::kMassMatrix>({states, q, {}, {}, M});
+  }
+  /// Which entries packedMassMatrix() gives, in this order: of the lower half row by row those that
+  /// are not zero by nature, since one rate is inboard of the other.
+  std::vector<MassMatrixEntry> packedEntries() const {
+    std::vector<MassMatrixEntry> entries;
+    const std::vector<std::vector<int>> inboard = ratesInboard(plan_);
+    for (int row = 0; row < plan_.dof; ++row) {
+      for (const int column : inboard[static_cast<std::size_t>(row)])
+        entries.push_back({row, column});
+      entries.push_back({row, row});
+    }
+    return entries;
+  }
+  /// The numbers of M that say all of it, packedEntries().size() a state, the same bits: a fifth of
+  /// a humanoid's n^2.
+  void packedMassMatrix(std::size_t states, Strided<const double> q, Strided<double> packed) {
+    workspace_.visit([this](auto& ws) {
+      if (!ws.places.empty()) return;
+      const auto n = static_cast<std::size_t>(plan_.dof);
+      ws.M.resize(n * n);
+      for (const MassMatrixEntry& e : packedEntries())
+        ws.places.push_back(e.column * plan_.dof + e.row);  // the sweep fills the upper half
+      ws.packed.resize(ws.places.size());
+    });
+    sweep<detail::Sweep::kPackedMassMatrix>({states, q, {}, {}, packed});
   }
   /// qdd of M qdd + c + g = tau + Q
   void forwardDynamics(std::size_t states, Strided<const double> q, Strided<const double> qd,

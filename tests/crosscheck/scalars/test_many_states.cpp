@@ -119,6 +119,23 @@ void requireSameBits(ManyStates& many, const Asked& asked) {
   BOOST_TEST(sameBits(tau, asked.tau));
   BOOST_TEST(sameBits(qdd, asked.qdd));
   BOOST_TEST(sameBits(M, asked.M));
+
+  const std::vector<fast::MassMatrixEntry> entries = many.packedEntries();
+  const auto size = static_cast<int>(entries.size());
+  std::vector<double> packed(states * entries.size(), 1), expected;
+  many.packedMassMatrix(states, {asked.q.data(), nq}, {packed.data(), size});
+  for (std::size_t s = 0; s < states; ++s)
+    for (const fast::MassMatrixEntry& e : entries)
+      expected.push_back(asked.M[s * static_cast<std::size_t>(nn) +
+                                 static_cast<std::size_t>(e.row * n + e.column)]);
+  BOOST_TEST(sameBits(packed, expected));
+  // the others are zero
+  std::vector<double> rest = asked.M;
+  for (std::size_t s = 0; s < states; ++s)
+    for (const fast::MassMatrixEntry& e : entries)
+      for (const int place : {e.row * n + e.column, e.column * n + e.row})
+        rest[s * static_cast<std::size_t>(nn) + static_cast<std::size_t>(place)] = 0;
+  BOOST_TEST(std::all_of(rest.begin(), rest.end(), [](double x) { return x == 0; }));
 }
 
 void requireSameBits(ManyDerivatives& many, const Asked& asked) {
