@@ -102,9 +102,9 @@ DYNWITNESS_FOR_AVX512 __attribute__((flatten)) void differentiate(const Plan<dou
 
 }  // namespace detail
 
-/** A mechanism that is decided when the program runs, made ready once, then asked for derivatives at
-    many states at once: each gets the same bits as from Derivatives, one by one, where ManyStates
-    gets those of Dynamics.
+/** A mechanism that is decided when the program runs, made ready once, then asked for derivatives
+    at many states at once: each gets the same bits as from Derivatives, one by one, where
+    ManyStates gets those of Dynamics.
 
     Arrays, strides and what they may not do are those of ManyStates; every matrix has dof^2 numbers
     a state, row by row. Conventions are those of inverseDynamicsDerivatives(). No call allocates.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps at many states are the fast sweeps, and so are their derivatives: the same bits as
-// one state at a time, whatever the width of the vectors, the layout of the arrays and the number of
-// states. That those are right is held by tests of the witness `fast` and test_fast_derivatives.
+// The fast sweeps at many states are the fast sweeps, and so are their derivatives: the same bits
+// as one state at a time, whatever the width of the vectors, the layout of the arrays and the
+// number of states. That those are right is held by tests of the witness `fast` and
+// test_fast_derivatives.
 #include <algorithm>
 #include <array>
 #include <cmath>
