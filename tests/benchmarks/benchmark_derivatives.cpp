@@ -7,7 +7,7 @@
 #include "crosscheck/chart/raw_mujoco.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/lifted.hpp"
-#include "crosscheck/scalars/many_derivatives.hpp"
+#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/moving_state.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"

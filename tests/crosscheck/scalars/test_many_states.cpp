@@ -14,7 +14,7 @@
 
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/scalars/many_derivatives.hpp"
+#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/many_states.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/derivatives.hpp"
