@@ -69,8 +69,8 @@ std::vector<OtherNumbers> otherNumbers(const BenchResult& result) {
   std::vector<OtherNumbers> lines;
   for (const Measurement& m : result.measured) {
     // what limits are made of is seen in these
-    if (m.isTime() || m.subject == kMachine || m.unit == kBytesRead || m.unit == kBytesWritten ||
-        m.unit == kBytesAtHand)
+    if (m.isTime() || m.subject == kMachine || m.unit == kOperationsWithSines ||
+        m.unit == kBytesRead || m.unit == kBytesWritten || m.unit == kBytesAtHand)
       continue;
     const std::string label = result.label(m.by),
                       value = fmt::format("{} {}", figure(m.value), m.unit);

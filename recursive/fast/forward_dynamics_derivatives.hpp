@@ -153,7 +153,7 @@ DYNWITNESS_INLINE void solvePacks(AccelerationDerivativesWorkspace<T>& ws, std::
 }
 
 /// Into ws.rows and ws.inverse.
-template <typename Pack, typename T, typename P>
+template <typename Pack, typename Column = Pack, typename T, typename P>
 DYNWITNESS_INLINE void solveAccelerationDerivatives(const Plan<P>& plan, const JointPosition<T>* x,
                                                     const T* qd, const T* qdd,
                                                     AccelerationDerivativesWorkspace<T>& ws) {
@@ -162,7 +162,7 @@ DYNWITNESS_INLINE void solveAccelerationDerivatives(const Plan<P>& plan, const J
     std::fill(ws.rows.begin(), ws.rows.end(), T(0));
     std::fill(ws.M.begin(), ws.M.end(), T(0));
   }
-  inverseDynamicsDerivativesBody<Pack>(
+  inverseDynamicsDerivativesBody<Pack, Column>(
       plan, x, qd, qdd, ws.of_tau, {rows, rows + ws.width, 2 * ws.width, ws.M.data(), ws.width});
   factorizeOutermostFirst<Pack>(ws);
   std::size_t column = 0;  // as many at a time as registers hold beside a factor

@@ -57,8 +57,8 @@ DYNWITNESS_INLINE void differentiateBlocks(const Plan<double>& plan,
     if constexpr (kOfAccelerations) {
       forwardDynamicsBody(plan, ws.x.data(), ws.rates.data(), ws.given.data(), ws.fd,
                           ws.qdd.data());
-      solveAccelerationDerivatives<Lanes<S>>(plan, ws.x.data(), ws.rates.data(), ws.qdd.data(),
-                                             ws.room);
+      solveAccelerationDerivatives<Lanes<S>, One<S>>(plan, ws.x.data(), ws.rates.data(),
+                                                     ws.qdd.data(), ws.room);
       const int width = static_cast<int>(ws.room.width);
       for (int i = 0; i < n; ++i) {
         const S* const row = ws.room.rows.data() + 2 * i * width;
@@ -69,7 +69,7 @@ DYNWITNESS_INLINE void differentiateBlocks(const Plan<double>& plan,
     } else {
       S* const three = ws.three.data();
       const auto stride = static_cast<std::size_t>(n);
-      inverseDynamicsDerivativesBody<Lanes<S>>(
+      inverseDynamicsDerivativesBody<Lanes<S>, One<S>>(
           plan, ws.x.data(), ws.rates.data(), ws.given.data(), ws.room.of_tau,
           ForceDerivatives<S>{three, three + nn, stride, three + 2 * nn, stride});
       scatterAll(three, nn, asked.by_q, first, count);
