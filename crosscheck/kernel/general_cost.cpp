@@ -3,11 +3,13 @@
 // a scalar that is no double.
 #include "crosscheck/kernel/general_cost.hpp"
 
+#include <math.h>
+
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "crosscheck/scalars/eigen_scalar.hpp"
+#include "crosscheck/kernel/counted.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"
@@ -16,63 +18,62 @@
 namespace dynwitness::crosscheck::kernel {
 namespace {
 
-/// A double (the plan looks for zeros) whose operations are counted; changes of sign are free.
-struct Counted {
-  double value = 0;
-
-  Counted() = default;
-  Counted(double x) : value(x) {}  // NOLINT(google-explicit-constructor): numbers are constants
-  bool isZero() const { return value == 0; }
-
-  static thread_local long operations;
-  static Counted counted(double x) {
-    ++operations;
-    return {x};
-  }
-  friend Counted operator+(Counted a, Counted b) { return counted(a.value + b.value); }
-  friend Counted operator-(Counted a, Counted b) { return counted(a.value - b.value); }
-  friend Counted operator*(Counted a, Counted b) { return counted(a.value * b.value); }
-  friend Counted operator/(Counted a, Counted b) { return counted(a.value / b.value); }
-  Counted operator-() const { return {-value}; }
-  Counted& operator+=(Counted b) { return *this = *this + b; }
-  Counted& operator-=(Counted b) { return *this = *this - b; }
-  Counted& operator*=(Counted b) { return *this = *this * b; }
-  Counted& operator/=(Counted b) { return *this = *this / b; }
-  friend bool operator==(Counted a, Counted b) { return a.value == b.value; }
-  friend bool operator!=(Counted a, Counted b) { return a.value != b.value; }
+/// What sine_cosine.inc is read with here: one number, counted, and its bits, which are not.
+struct Bits {
+  long long operator[](int /*lane*/) const { return 0; }
+};
+[[maybe_unused]] Bits operator&(Bits, Bits) {
+  return {};
+}
+[[maybe_unused]] Bits operator&(Bits, int) {
+  return {};
+}
+[[maybe_unused]] Bits operator|(Bits, Bits) {
+  return {};
+}
+[[maybe_unused]] Bits operator^(Bits, Bits) {
+  return {};
+}
+[[maybe_unused]] Bits operator~(Bits) {
+  return {};
+}
+[[maybe_unused]] Bits operator-(Bits) {
+  return {};
+}
+[[maybe_unused]] Bits operator+(Bits, int) {
+  return {};
+}
+[[maybe_unused]] Bits operator<<(Bits, int) {
+  return {};
+}
+struct Angle : Counted {
+  Angle() = default;
+  Angle(double x) : Counted(x) {}          // NOLINT(google-explicit-constructor)
+  Angle(const Counted& x) : Counted(x) {}  // NOLINT(google-explicit-constructor)
+  explicit Angle(Bits /*of*/) {}
+  explicit operator Bits() const { return {}; }
+  double& operator[](int /*lane*/) { return value; }
+  double operator[](int /*lane*/) const { return value; }
+  friend Bits operator<=(const Angle&, const Angle&) { return {}; }
+  friend Bits operator>=(const Angle&, const Angle&) { return {}; }
 };
 
-thread_local long Counted::operations = 0;
-
-/// A scene's numbers in double.
-class CountedNumbers {
- public:
-  using Scalar = Counted;
-  explicit CountedNumbers(const scene::Mechanism& mechanism) : numbers_(mechanism) {}
-  Counted operator()(const scene::Number& number) const { return {numbers_(number)}; }
-  scene::CosSin<Counted> angle(const scene::Number& radians) const {
-    return of(numbers_.angle(radians));
-  }
-  scene::AxisTurn<Counted> axisTurn(const scene::Vector& axis) const {
-    const scene::AxisTurn<double> turn = numbers_.axisTurn(axis);
-    return {of(turn.alpha), of(turn.beta)};
-  }
-
- private:
-  static scene::CosSin<Counted> of(const scene::CosSin<double>& x) { return {{x.c}, {x.s}}; }
-  scene::RealNumbers<double> numbers_;
-};
+namespace angles {
+using V = Angle;
+using I = Bits;
+enum { LANES = 1 };
+#include "recursive/fast/sine_cosine.inc"
+}  // namespace angles
 
 }  // namespace
-}  // namespace dynwitness::crosscheck::kernel
 
-namespace Eigen {
-template <>
-struct NumTraits<dynwitness::crosscheck::kernel::Counted>
-    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::kernel::Counted, 1, 1, 1> {};
-}  // namespace Eigen
-
-namespace dynwitness::crosscheck::kernel {
+long sineCosineOperations() {
+  static_cast<void>(angles::libraryOf);  // which larger angles than this one take
+  Angle sine, cosine;
+  Counted::operations = 0;
+  angles::sineCosine(0.5, &sine, &cosine);
+  return Counted::operations;
+}
 
 long generalOperations(const scene::Mechanism& mechanism, Formula formula) {
   namespace fast = recursive::fast;

@@ -207,6 +207,7 @@ GoalVerdict judge(const BenchResult& result, const Goal& goal) {
     verdict.measured = result.value(goal.what, goal.subject, goal.by, goal.unit);
   }
   if (!verdict.measured) return verdict;
+  verdict.limit = limitOf(result, goal.what, goal.subject, goal.by);
   // how much it costs, in units of what the goal grants
   const double cost =
       goal.at_least ? goal.wanted / *verdict.measured : *verdict.measured / goal.wanted;
@@ -254,6 +255,11 @@ std::string benchJson(const BenchResult& result) {
                {"unit", cleanText(goal.unit)}};
     if (verdict.measured) entry["measured"] = rounded(*verdict.measured);
     if (verdict.times_simbody) entry["times_simbody"] = rounded(*verdict.times_simbody);
+    if (verdict.limit) {
+      entry["limit_ns"] = rounded(verdict.limit->ns);
+      entry["limit_of"] = verdict.limit->of;
+      entry["times_limit"] = rounded(verdict.limit->times);
+    }
     entry["verdict"] = verdict.word();
     if (verdict.measured && !verdict.is_reached)
       entry["missed_by_percent"] = rounded(verdict.missed_by);

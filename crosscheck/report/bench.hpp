@@ -19,6 +19,15 @@ inline constexpr const char *kRawMujoco = "mujoco_raw", *kRawSimbody = "simbody_
 /// The unit of a goal that is a ratio: MuJoCo's time over ours, both of this run.
 inline constexpr const char* kTimesMujoco = "times MuJoCo";
 
+/// What the machine itself does, measured in the same run: nanoseconds an operation, by kind of
+/// instruction, and a byte, by size of an array ("16 KiB").
+inline constexpr const char *kMachine = "machine", *kOperation = "operation", *kReading = "reading",
+                            *kWriting = "writing";
+// what a contender does for one state; the last: what lies there in all, of all states
+inline constexpr const char *kOperationsWithSines = "operations with sines",
+                            *kBytesRead = "bytes read", *kBytesWritten = "bytes written",
+                            *kBytesAtHand = "bytes at hand";
+
 /// Who computes.
 struct Contender {
   std::string name;   ///< "fast", "kernel_second", "mujoco_raw"
@@ -60,11 +69,27 @@ struct BenchResult {
   std::optional<double> timesFaster(const std::string& engine, const std::string& what,
                                     const std::string& subject, const std::string& by) const;
   std::string label(const std::string& contender) const;
+  /// The least that was measured of the machine [ns].
+  std::optional<double> perOperation() const;
 };
+
+/** What the machine's peak leaves of a contender's time: whichever takes longer, its operations or
+    its bytes in or out, each alone and at the best that this run saw of one core. */
+struct Limit {
+  double ns = 0;
+  const char* of = "";  ///< "operations", "reading", "writing"
+  double times = 0;     ///< so many times as long it takes
+};
+/// Nothing where the time, the operations or the machine was not measured.
+std::optional<Limit> limitOf(const BenchResult& result, const std::string& what,
+                             const std::string& subject, const std::string& by);
+/// The machine in one line; empty: it was not measured.
+std::string machineText(const BenchResult& result);
 
 struct GoalVerdict {
   std::optional<double> measured;  ///< in the goal's unit; nothing: it was not
   std::optional<double> times_simbody;
+  std::optional<Limit> limit;
   bool is_reached = false;
   /// How much more time (or memory, or operations) it takes than the goal grants [%]; 0 when
   /// reached.

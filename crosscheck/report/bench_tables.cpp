@@ -68,7 +68,10 @@ struct OtherNumbers {
 std::vector<OtherNumbers> otherNumbers(const BenchResult& result) {
   std::vector<OtherNumbers> lines;
   for (const Measurement& m : result.measured) {
-    if (m.isTime()) continue;
+    // what limits are made of is seen in these
+    if (m.isTime() || m.subject == kMachine || m.unit == kOperationsWithSines ||
+        m.unit == kBytesRead || m.unit == kBytesWritten || m.unit == kBytesAtHand)
+      continue;
     const std::string label = result.label(m.by),
                       value = fmt::format("{} {}", figure(m.value), m.unit);
     const auto found = std::find_if(lines.begin(), lines.end(), [&](const OtherNumbers& o) {
@@ -92,6 +95,18 @@ std::string verdictWords(const GoalVerdict& verdict) {
   return verdict.measured && !verdict.is_reached ? "MISSED by " + figure(verdict.missed_by) + " %"
                                                  : verdict.word();
 }
+
+/// "19.2 ns of operations"
+std::string limitWords(const GoalVerdict& verdict) {
+  return verdict.limit ? fmt::format("{} ns {}", figure(verdict.limit->ns), verdict.limit->of)
+                       : "-";
+}
+std::string timesLimit(const GoalVerdict& verdict) {
+  return verdict.limit ? figure(verdict.limit->times) : "-";
+}
+constexpr const char* kWhatLimitsAre =
+    "Limit: operations, sines and cosines among them, or bytes in or out, whichever takes the "
+    "machine longer at its best, measured in this run";
 
 /// "31 of 40 goals reached, 7 missed, 2 not measured"
 std::string goalsSentence(const BenchResult& result) {
@@ -139,14 +154,17 @@ std::string benchText(const BenchResult& result) {
     text +=
         fmt::format("{:<64} {}\n", fmt::format("{}, {}: {}", o.subject, o.what, o.label), o.values);
   if (!result.goals.empty())
-    text +=
-        fmt::format("\n{:<57} {:>26} {:>10} {:>9}\n", "goal", "wanted", "measured", "x Simbody");
+    text += fmt::format("\n{:<57} {:>26} {:>10} {:>9} {:>20} {:>7}\n", "goal", "wanted", "measured",
+                        "x Simbody", "limit", "x limit");
   for (const Goal& goal : result.goals) {
     const GoalVerdict verdict = judge(result, goal);
-    text += fmt::format("{} {:<55} {:>26} {:>10} {:>9}  {}\n", goal.number, goalName(result, goal),
-                        wanted(goal), figure(verdict.measured), figure(verdict.times_simbody),
+    text += fmt::format("{} {:<55} {:>26} {:>10} {:>9} {:>20} {:>7}  {}\n", goal.number,
+                        goalName(result, goal), wanted(goal), figure(verdict.measured),
+                        figure(verdict.times_simbody), limitWords(verdict), timesLimit(verdict),
                         verdictWords(verdict));
   }
+  const std::string machine = machineText(result);
+  if (!machine.empty()) text += fmt::format("\n{}:\n{}\n", kWhatLimitsAre, machine);
   text += "\n" + goalsSentence(result) + "\n";
   for (const std::string& reason : result.left_out) text += "left out: " + reason + "\n";
   return text;
@@ -184,12 +202,14 @@ void putFigure(std::string* page, const BenchFiles& files) {
 void putGoals(std::string* page, const BenchResult& result) {
   openTable(
       page, "Table of goals",
-      "Goals, and by how much those are missed that are: so much more it takes than granted.");
+      "Goals, and by how much those are missed that are: so much more it takes than granted. " +
+          std::string(kWhatLimitsAre) + ".");
   *page +=
       "<thead><tr><th scope=\"col\" class=\"n\">Goal</th><th scope=\"col\">What</th><th "
       "scope=\"col\">Who</th>"
       "<th scope=\"col\" class=\"n\">Wanted</th><th scope=\"col\" class=\"n\">Measured</th>"
-      "<th scope=\"col\" class=\"n\">Times Simbody</th><th "
+      "<th scope=\"col\" class=\"n\">Times Simbody</th><th scope=\"col\" class=\"n\">Limit</th>"
+      "<th scope=\"col\" class=\"n\">Times limit</th><th "
       "scope=\"col\">Verdict</th></tr></thead>\n<tbody>\n";
   for (const Goal& goal : result.goals) {
     const GoalVerdict verdict = judge(result, goal);
@@ -197,12 +217,16 @@ void putGoals(std::string* page, const BenchResult& result) {
     *page += fmt::format(
         "<tr><td class=\"n\">{}</td><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th>"
         "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
-        "<td>{}</td></tr>\n",
+        "<td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
         goal.number, esc(goal.what), esc(goal.subject), esc(result.label(goal.by)),
         esc(wanted(goal)), figure(verdict.measured), figure(verdict.times_simbody),
-        badge(css, verdictWords(verdict)));
+        limitWords(verdict), timesLimit(verdict), badge(css, verdictWords(verdict)));
   }
   *page += "</tbody>\n</table>\n</div>\n";
+  const std::string machine = machineText(result);
+  if (!machine.empty())
+    *page +=
+        fmt::format("<p class=\"soft small\">The machine at its best, {}.</p>\n", esc(machine));
 }
 
 void putTimes(std::string* page, const BenchResult& result) {

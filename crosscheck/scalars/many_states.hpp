@@ -13,6 +13,8 @@ namespace dynwitness::recursive::fast::detail {
                                                       ManyStatesWorkspace<WIDTH>&, const Asked&);  \
   PREFIX template void sweep<Sweep::kMassMatrix>(const Plan<double>&, ManyStatesWorkspace<WIDTH>&, \
                                                  const Asked&);                                    \
+  PREFIX template void sweep<Sweep::kPackedMassMatrix>(const Plan<double>&,                        \
+                                                       ManyStatesWorkspace<WIDTH>&, const Asked&); \
   PREFIX template void sweep<Sweep::kForwardDynamics>(const Plan<double>&,                         \
                                                       ManyStatesWorkspace<WIDTH>&, const Asked&)
 // NOLINTEND(bugprone-macro-parentheses)

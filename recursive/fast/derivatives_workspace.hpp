@@ -22,7 +22,10 @@ struct ForceDerivatives {
 /// columns, four a block; links without a joint in blocks after these.
 template <typename T>
 struct DerivativesWorkspace {
-  explicit DerivativesWorkspace(const Plan<T>& plan);
+  template <typename P>
+  explicit DerivativesWorkspace(const Plan<P>& plan);
+
+  static constexpr std::size_t kAlignment = alignof(T) > 32 ? alignof(T) : 32;
 
   /// How a link moves: along the world's axes, three numbers and one that pads.
   struct Frame {
@@ -33,7 +36,7 @@ struct DerivativesWorkspace {
     T w[kBlock], wd[kBlock], a[kBlock];
   };
   /// Four links; constants in their own axes first.
-  struct alignas(32) Bodies {
+  struct alignas(kAlignment) Bodies {
     T mass[kBlock];
     Wide3<T> h;
     Wide6<T> I;
@@ -46,7 +49,7 @@ struct DerivativesWorkspace {
     Wide3<T> f, n;               ///< wrench through the joint
   };
   /// Four axes of joints.
-  struct alignas(32) Axes {
+  struct alignas(kAlignment) Axes {
     T rotor[kBlock], stiffness[kBlock], viscous[kBlock];
     Wide3<T> z_v, z_w;        ///< axis
     Wide3<T> w_p, wd_p, a_p;  ///< the parent's motion there
@@ -72,13 +75,14 @@ struct DerivativesWorkspace {
 };
 
 template <typename T>
-DerivativesWorkspace<T>::DerivativesWorkspace(const Plan<T>& plan)
+template <typename P>
+DerivativesWorkspace<T>::DerivativesWorkspace(const Plan<P>& plan)
     : frames(plan.links.size() + 1),
       axes(plan.blocks.size()),
       turned(plan.world_loads.empty() ? 0 : plan.links.size() + 1),
       others(plan) {
   int lane = static_cast<int>(plan.blocks.size()) * kBlock;
-  for (const Link<T>& link : plan.links) lanes.push_back(link.axes > 0 ? link.column : lane++);
+  for (const Link<P>& link : plan.links) lanes.push_back(link.axes > 0 ? link.column : lane++);
   bodies.resize((static_cast<std::size_t>(lane) + kBlock - 1) / kBlock);
   for (Frame& frame : frames) frame = {};
   for (Bodies& block : bodies) block = {};
@@ -87,12 +91,12 @@ DerivativesWorkspace<T>::DerivativesWorkspace(const Plan<T>& plan)
   world.x[0] = world.y[1] = world.z[2] = T(1);
   world.a[0] = -plan.gravity.x, world.a[1] = -plan.gravity.y, world.a[2] = -plan.gravity.z;
   for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     Bodies& block = bodies[lanes[i] / kBlock];
     const int at = lanes[i] % kBlock;
     block.mass[at] = link.mass;
-    block.h.set(at, link.h);
-    block.I.set(at, link.I);
+    block.h.set(at, in<T>(link.h));
+    block.I.set(at, in<T>(link.I));
     if (link.axes > 1) several.push_back(static_cast<int>(i));
     for (int k = 0; k < link.axes; ++k) {
       Axes& of = axes[(link.column + k) / kBlock];

@@ -19,7 +19,8 @@ struct AccelerationDerivatives {
 /// What is solved, and which rates feel each other; sized once for a plan.
 template <typename T>
 struct AccelerationDerivativesWorkspace {
-  explicit AccelerationDerivativesWorkspace(const Plan<T>& plan);
+  template <typename P>
+  explicit AccelerationDerivativesWorkspace(const Plan<P>& plan);
 
   DerivativesWorkspace<T> of_tau;
   /// Rates that feel each other, in the order in which they are done: of rate i those outboard of
@@ -32,24 +33,15 @@ struct AccelerationDerivativesWorkspace {
 };
 
 template <typename T>
-AccelerationDerivativesWorkspace<T>::AccelerationDerivativesWorkspace(const Plan<T>& plan)
+template <typename P>
+AccelerationDerivativesWorkspace<T>::AccelerationDerivativesWorkspace(const Plan<P>& plan)
     : of_tau(plan),
       width((plan.dof + kBlock - 1) / kBlock * kBlock),
       rows(plan.dof * 2 * width, T(0)),
       M(plan.dof * width, T(0)),
       inverse(plan.dof * width, T(0)) {
-  std::vector<std::vector<int>> in(plan.dof), out(plan.dof);
-  for (const Link<T>& link : plan.links) {
-    int p = link.parent;
-    while (p > 0 && plan.links[p - 1].axes == 0) p = plan.links[p - 1].parent;
-    const int last = p == 0 ? -1 : plan.links[p - 1].dof + plan.links[p - 1].axes - 1;
-    for (int k = 0, d = link.dof; k < link.axes; ++k, ++d) {
-      const int next = k == 0 ? last : d - 1;
-      if (next < 0) continue;
-      in[d] = in[next];
-      in[d].push_back(next);
-    }
-  }
+  const std::vector<std::vector<int>> in = ratesInboard(plan);
+  std::vector<std::vector<int>> out(plan.dof);
   for (int i = plan.dof - 1; i >= 0; --i)
     for (const int j : in[i]) out[j].push_back(i);
   for (int i = 0; i < plan.dof; ++i) {
@@ -153,35 +145,47 @@ DYNWITNESS_INLINE void invert(AccelerationDerivativesWorkspace<T>& ws) {
   }
 }
 
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void accelerationDerivativesBody(const Plan<T>& plan, const JointPosition<T>* x,
-                                                   const T* qd, const T* qdd,
-                                                   AccelerationDerivativesWorkspace<T>& ws,
-                                                   const AccelerationDerivatives<T>& out) {
-  const std::size_t n = plan.dof, width = ws.width, stride = 2 * width;
+/// Solves for packs of columns as long as so many are left.
+template <std::size_t packs, typename Pack, typename T>
+DYNWITNESS_INLINE void solvePacks(AccelerationDerivativesWorkspace<T>& ws, std::size_t& column) {
+  for (; column + packs * kBlock <= 2 * ws.width; column += packs * kBlock)
+    solveColumns<Pack>(ws, column, std::make_index_sequence<packs>());
+}
+
+/// Into ws.rows and ws.inverse.
+template <typename Pack, typename Column = Pack, typename T, typename P>
+DYNWITNESS_INLINE void solveAccelerationDerivatives(const Plan<P>& plan, const JointPosition<T>* x,
+                                                    const T* qd, const T* qdd,
+                                                    AccelerationDerivativesWorkspace<T>& ws) {
   T* const rows = ws.rows.data();
   if (!plan.is_chain) {
     std::fill(ws.rows.begin(), ws.rows.end(), T(0));
     std::fill(ws.M.begin(), ws.M.end(), T(0));
   }
-  inverseDynamicsDerivativesBody<Pack>(plan, x, qd, qdd, ws.of_tau,
-                                       {rows, rows + width, stride, ws.M.data(), width});
+  inverseDynamicsDerivativesBody<Pack, Column>(
+      plan, x, qd, qdd, ws.of_tau, {rows, rows + ws.width, 2 * ws.width, ws.M.data(), ws.width});
   factorizeOutermostFirst<Pack>(ws);
-  constexpr std::size_t block = kBlock;
   std::size_t column = 0;  // as many at a time as registers hold beside a factor
-  const auto isLeft = [&](std::size_t packs) { return column + packs * block <= stride; };
-  for (; isLeft(12); column += 12 * block)
-    solveColumns<Pack>(ws, column, std::make_index_sequence<12>());
-  for (; isLeft(8); column += 8 * block)
-    solveColumns<Pack>(ws, column, std::make_index_sequence<8>());
-  for (; isLeft(4); column += 4 * block)
-    solveColumns<Pack>(ws, column, std::make_index_sequence<4>());
-  for (; isLeft(2); column += 2 * block)
-    solveColumns<Pack>(ws, column, std::make_index_sequence<2>());
+  if constexpr (std::is_same_v<T, P>) {
+    solvePacks<12, Pack>(ws, column);
+    solvePacks<8, Pack>(ws, column);
+  }
+  solvePacks<4, Pack>(ws, column);  // which 16 registers of many states are
+  solvePacks<2, Pack>(ws, column);
   invert<Pack>(ws);
+}
+
+template <typename Pack, typename T>
+DYNWITNESS_INLINE void accelerationDerivativesBody(const Plan<T>& plan, const JointPosition<T>* x,
+                                                   const T* qd, const T* qdd,
+                                                   AccelerationDerivativesWorkspace<T>& ws,
+                                                   const AccelerationDerivatives<T>& out) {
+  solveAccelerationDerivatives<Pack>(plan, x, qd, qdd, ws);
+  const std::size_t n = plan.dof, width = ws.width;
+  const T* const rows = ws.rows.data();
   for (std::size_t i = 0; i < n; ++i) {
-    std::copy_n(rows + i * stride, n, out.dqdd_dq + i * n);
-    std::copy_n(rows + i * stride + width, n, out.dqdd_dqd + i * n);
+    std::copy_n(rows + 2 * i * width, n, out.dqdd_dq + i * n);
+    std::copy_n(rows + (2 * i + 1) * width, n, out.dqdd_dqd + i * n);
     std::copy_n(ws.inverse.data() + i * width, n, out.dqdd_dtau + i * n);
   }
 }

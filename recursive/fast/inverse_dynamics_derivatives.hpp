@@ -18,8 +18,8 @@ template <typename Pack, typename T>
 struct JointMotion {
   Pack v, w, a, wd;  ///< at these rates and accelerations
 };
-template <typename Pack, typename T>
-DYNWITNESS_INLINE JointMotion<Pack, T> jointMotion(const Link<T>& link, const T* qd, const T* qdd,
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE JointMotion<Pack, T> jointMotion(const Link<P>& link, const T* qd, const T* qdd,
                                                    const Pack& e_x, const Pack& e_y,
                                                    const Pack& e_z) {
   const auto along = [&](const Vec<T>& v) { return v.x * e_x + v.y * e_y + v.z * e_z; };
@@ -30,15 +30,15 @@ DYNWITNESS_INLINE JointMotion<Pack, T> jointMotion(const Link<T>& link, const T*
 }
 
 /// Axes, motion and joint axes of all links, into frames and lanes.
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void moveOutward(const Plan<T>& plan, const JointPosition<T>* x, const T* qd,
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE void moveOutward(const Plan<P>& plan, const JointPosition<T>* x, const T* qd,
                                    const T* qdd, DerivativesWorkspace<T>& ws) {
   using Frame = typename DerivativesWorkspace<T>::Frame;
   const int n = static_cast<int>(plan.links.size());
-  const Link<T>* const links = plan.links.data();
+  const Link<P>* const links = plan.links.data();
   Frame* const frames = ws.frames.data();
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = links[i];
+    const Link<P>& link = links[i];
     const Frame& parent = frames[link.parent];
     Frame& frame = frames[i + 1];
     auto& body = ws.bodies[ws.lanes[i] / kBlock];
@@ -87,7 +87,7 @@ DYNWITNESS_INLINE void moveOutward(const Plan<T>& plan, const JointPosition<T>* 
         v2_J.store(frame.v2_J);
         body.v2_J.scatter(at, v2_J);
       } else {
-        const auto J = jointMotion<Pack>(link, qd, qdd, e_x, e_y, e_z);
+        const auto J = jointMotion<Pack, T>(link, qd, qdd, e_x, e_y, e_z);
         w = w + J.w;
         for (int k = 0; k < link.axes; ++k) {
           tellAxis(k, link.axes == 1 ? w_p : w);
@@ -110,27 +110,27 @@ DYNWITNESS_INLINE void moveOutward(const Plan<T>& plan, const JointPosition<T>* 
   }
 }
 
-/// What four links alone are and need.
+/// What the links of a pack alone are and need.
 template <typename Pack, typename Bodies>
-DYNWITNESS_INLINE void ownBodies(Bodies& b, bool are_turns) {
-  const Vec<Pack> x = b.e_x.template load<Pack>(), y = b.e_y.template load<Pack>(),
-                  z = b.e_z.template load<Pack>(), w = b.w.template load<Pack>(),
-                  wd = b.wd.template load<Pack>(), a = b.a.template load<Pack>();
-  const Pack mass = Pack::load(b.mass);
-  const Vec<Pack> own = b.h.template load<Pack>();
+DYNWITNESS_INLINE void ownBodies(Bodies& b, bool are_turns, int lane) {
+  const Vec<Pack> x = b.e_x.template load<Pack>(lane), y = b.e_y.template load<Pack>(lane),
+                  z = b.e_z.template load<Pack>(lane), w = b.w.template load<Pack>(lane),
+                  wd = b.wd.template load<Pack>(lane), a = b.a.template load<Pack>(lane);
+  const Pack mass = Pack::load(b.mass + lane);
+  const Vec<Pack> own = b.h.template load<Pack>(lane);
   const Vec<Pack> h = x * own.x + y * own.y + z * own.z;
-  const Symmetric3<Pack> C = b.I.template load<Pack>();
+  const Symmetric3<Pack> C = b.I.template load<Pack>(lane);
   const Vec<Pack> X = x * C.xx + y * C.xy + z * C.xz, Y = x * C.xy + y * C.yy + z * C.yz,
                   Z = x * C.xz + y * C.yz + z * C.zz;
   const Symmetric3<Pack> I = {X.x * x.x + Y.x * y.x + Z.x * z.x, X.y * x.y + Y.y * y.y + Z.y * z.y,
                               X.z * x.z + Y.z * y.z + Z.z * z.z, X.x * x.y + Y.x * y.y + Z.x * z.y,
                               X.x * x.z + Y.x * y.z + Z.x * z.z, X.y * x.z + Y.y * y.z + Z.y * z.z};
   const Vec<Pack> w_x_h = cross(w, h);
-  b.f.store(a * mass + cross(wd, h) + cross(w, w_x_h));
-  b.n.store(times(I, wd) + cross(w, times(I, w)) + cross(h, a));
-  mass.store(b.m);
-  b.H.store(h);
-  b.J.store(I);
+  b.f.store(a * mass + cross(wd, h) + cross(w, w_x_h), lane);
+  b.n.store(times(I, wd) + cross(w, times(I, w)) + cross(h, a), lane);
+  mass.store(b.m + lane);
+  b.H.store(h, lane);
+  b.J.store(I, lane);
   // 2 N = [w]x (tr I 1 - 2 I) + 2 v_J h', 2 P = 2 (m v_J + w x h)
   const Pack s_x = I.yy + I.zz - I.xx, s_y = I.xx + I.zz - I.yy, s_z = I.xx + I.yy - I.zz;
   const Pack xy = I.xy + I.xy, xz = I.xz + I.xz, yz = I.yz + I.yz;
@@ -139,12 +139,12 @@ DYNWITNESS_INLINE void ownBodies(Bodies& b, bool are_turns) {
   Vec<Pack> N_y = {w.z * s_x + w.x * xz, w.x * yz - w.z * xy, -(w.x * s_z) - w.z * xz};
   Vec<Pack> N_z = {-(w.y * s_x) - w.x * xy, w.x * s_y + w.y * xy, w.y * xz - w.x * yz};
   if (!are_turns) {
-    const Vec<Pack> v2 = b.v2_J.template load<Pack>();
+    const Vec<Pack> v2 = b.v2_J.template load<Pack>(lane);
     P2 = P2 + v2 * mass;
     N_x = N_x + h * v2.x, N_y = N_y + h * v2.y, N_z = N_z + h * v2.z;
   }
-  b.P2.store(P2);
-  b.N_x.store(N_x), b.N_y.store(N_y), b.N_z.store(N_z);
+  b.P2.store(P2, lane);
+  b.N_x.store(N_x, lane), b.N_y.store(N_y, lane), b.N_z.store(N_z, lane);
 }
 
 /// A vector in the axes of a lane's link, along the world's.
@@ -171,8 +171,8 @@ Mat<T> minusTwoSkews(const Vec<T>& r, const Vec<T>& F) {
 }
 
 /// Loads off the links' wrenches, and how those in world axes turn with their links.
-template <typename T>
-void subtractLoads(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
+template <typename T, typename P>
+void subtractLoads(const Plan<P>& plan, DerivativesWorkspace<T>& ws) {
   const auto subtract = [&](int i, const Vec<T>& force, const Vec<T>& moment) {
     auto& b = ws.bodies[ws.lanes[i] / kBlock];
     const int at = ws.lanes[i] % kBlock;
@@ -181,21 +181,22 @@ void subtractLoads(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
   };
   const auto n = static_cast<int>(plan.links.size());
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     if (!link.is_loaded) continue;
     const auto& b = ws.bodies[ws.lanes[i] / kBlock];
     const int at = ws.lanes[i] % kBlock;
-    subtract(i, alongWorld(b, at, link.force), alongWorld(b, at, link.moment));
+    subtract(i, alongWorld(b, at, in<T>(link.force)), alongWorld(b, at, in<T>(link.moment)));
   }
   for (auto& turned : ws.turned)
     turned = {Vec<T>::zero(), {T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0)}};
-  for (const PlannedLoad<T>& load : plan.world_loads) {
+  for (const PlannedLoad<P>& load : plan.world_loads) {
     const int lane = ws.lanes[load.link];
-    const Vec<T> r = alongWorld(ws.bodies[lane / kBlock], lane % kBlock, load.at);
-    subtract(load.link, load.force, load.moment + cross(r, load.force));
+    const Vec<T> r = alongWorld(ws.bodies[lane / kBlock], lane % kBlock, in<T>(load.at));
+    const Vec<T> force = in<T>(load.force), moment = in<T>(load.moment);
+    subtract(load.link, force, moment + cross(r, force));
     auto& turned = ws.turned[load.link + 1];
-    turned.force = turned.force + load.force;
-    turned.K = sum(turned.K, sum(minusSkew(load.moment), minusTwoSkews(r, load.force)));
+    turned.force = turned.force + force;
+    turned.K = sum(turned.K, sum(minusSkew(moment), minusTwoSkews(r, force)));
   }
 }
 
@@ -212,8 +213,8 @@ void copyBody(const Bodies& from, int a, Bodies& to, int b) {
 }
 
 /// Onto what the parent sees of link i: a gyroscopic rotor that it carries, (13).
-template <typename T>
-void addRotor(const Link<T>& link, const typename DerivativesWorkspace<T>::Axes& axes, int l,
+template <typename T, typename P>
+void addRotor(const Link<P>& link, const typename DerivativesWorkspace<T>::Axes& axes, int l,
               const Vec<T>& z, const T* qd, const T* qdd, Vec<T>& moment, Vec<T>& N_x, Vec<T>& N_y,
               Vec<T>& N_z) {
   const Vec<T> L = z * (link.spin * qd[link.dof]);
@@ -224,12 +225,12 @@ void addRotor(const Link<T>& link, const typename DerivativesWorkspace<T>::Axes&
 }
 
 /// All that is outboard of each joint as one body: (6).
-template <typename T>
-DYNWITNESS_INLINE void sumInward(const Plan<T>& plan, const T* qd, const T* qdd,
+template <typename T, typename P>
+DYNWITNESS_INLINE void sumInward(const Plan<P>& plan, const T* qd, const T* qdd,
                                  DerivativesWorkspace<T>& ws) {
   const auto vec = [](const T* v) { return Vec<T>{v[0], v[1], v[2]}; };
   for (int i = static_cast<int>(plan.links.size()) - 1; i >= 0; --i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     const auto& b = ws.bodies[ws.lanes[i] / kBlock];
     const int at = ws.lanes[i] % kBlock;
     for (int k = 1; k < link.axes; ++k)
@@ -268,16 +269,16 @@ DYNWITNESS_INLINE void sumInward(const Plan<T>& plan, const T* qd, const T* qdd,
   }
 }
 
-/// What four axes make of what they move, in the frame that turns with it: (1) to (5) and (7).
+/// What the axes of a pack make of what they move, in the frame that turns with it: (1) to (5), (7).
 template <typename Pack, typename Axes, typename Bodies>
-DYNWITNESS_INLINE void columnsOf(Axes& a, const Bodies& b) {
-  const Vec<Pack> z = a.z_w.template load<Pack>(), w_p = a.w_p.template load<Pack>(),
-                  wd_p = a.wd_p.template load<Pack>(), a_p = a.a_p.template load<Pack>();
-  const Vec<Pack> h = b.H.template load<Pack>(), P2 = b.P2.template load<Pack>(),
-                  N_x = b.N_x.template load<Pack>(), N_y = b.N_y.template load<Pack>(),
-                  N_z = b.N_z.template load<Pack>();
-  const Symmetric3<Pack> I = b.J.template load<Pack>();
-  const Pack m = Pack::load(b.m), trace = N_x.x + N_y.y + N_z.z;
+DYNWITNESS_INLINE void columnsOf(Axes& a, const Bodies& b, int lane) {
+  const Vec<Pack> z = a.z_w.template load<Pack>(lane), w_p = a.w_p.template load<Pack>(lane),
+                  wd_p = a.wd_p.template load<Pack>(lane), a_p = a.a_p.template load<Pack>(lane);
+  const Vec<Pack> h = b.H.template load<Pack>(lane), P2 = b.P2.template load<Pack>(lane),
+                  N_x = b.N_x.template load<Pack>(lane), N_y = b.N_y.template load<Pack>(lane),
+                  N_z = b.N_z.template load<Pack>(lane);
+  const Symmetric3<Pack> I = b.J.template load<Pack>(lane);
+  const Pack m = Pack::load(b.m + lane), trace = N_x.x + N_y.y + N_z.z;
   const auto twiceCoriolis = [&](const Vec<Pack>& y) DYNWITNESS_INLINE_LAMBDA {
     return Vec<Pack>{y.x * trace - (N_x.x * y.x + N_x.y * y.y + N_x.z * y.z),
                      y.y * trace - (N_y.x * y.x + N_y.y * y.y + N_y.z * y.z),
@@ -289,30 +290,31 @@ DYNWITNESS_INLINE void columnsOf(Axes& a, const Bodies& b) {
   Vec<Pack> G = z * trace - (N_x * z.x + N_y * z.y + N_z * z.z);
   Vec<Pack> F_qd_f = cross(z, P2), F_qd_n = twiceCoriolis(z);
   if (!a.are_turns) {
-    const Vec<Pack> z_v = a.z_v.template load<Pack>(), w_k = a.w_k.template load<Pack>();
+    const Vec<Pack> z_v = a.z_v.template load<Pack>(lane), w_k = a.w_k.template load<Pack>(lane);
     const Vec<Pack> psi_v = cross(w_p, z_v);
     chi_v = chi_v + cross(wd_p, z_v) + cross(w_p, psi_v);
-    const Vec<Pack> phi_v = psi_v + cross(a.v_J.template load<Pack>(), z) + cross(w_k, z_v);
+    const Vec<Pack> phi_v = psi_v + cross(a.v_J.template load<Pack>(lane), z) + cross(w_k, z_v);
     phi_w = psi_w + cross(w_k, z);
     F_f = F_f + z_v * m, F_n = F_n + cross(h, z_v);
     F_qd_f = F_qd_f + phi_v * m, F_qd_n = F_qd_n + cross(h, phi_v);
     G = G + cross(P2, z_v);
-    a.phi_v.store(phi_v);
+    a.phi_v.store(phi_v, lane);
   }
-  a.psi_w.store(psi_w), a.chi_v.store(chi_v), a.chi_w.store(chi_w), a.phi_w.store(phi_w);
-  a.F_f.store(F_f), a.F_n.store(F_n), a.G.store(G);
-  a.F_q_f.store(chi_v * m + cross(chi_w, h) + cross(psi_w, P2));
-  a.F_q_n.store(times(I, chi_w) + cross(h, chi_v) + twiceCoriolis(psi_w));
-  a.F_qd_f.store(F_qd_f + cross(phi_w, h));
-  a.F_qd_n.store(F_qd_n + times(I, phi_w));
+  a.psi_w.store(psi_w, lane), a.chi_v.store(chi_v, lane);
+  a.chi_w.store(chi_w, lane), a.phi_w.store(phi_w, lane);
+  a.F_f.store(F_f, lane), a.F_n.store(F_n, lane), a.G.store(G, lane);
+  a.F_q_f.store(chi_v * m + cross(chi_w, h) + cross(psi_w, P2), lane);
+  a.F_q_n.store(times(I, chi_w) + cross(h, chi_v) + twiceCoriolis(psi_w), lane);
+  a.F_qd_f.store(F_qd_f + cross(phi_w, h), lane);
+  a.F_qd_n.store(F_qd_n + times(I, phi_w), lane);
 }
 
 /// (12): what turning loads in world axes adds to the columns of link i, and to rows.
-template <typename T>
-void addTurnedLoads(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
+template <typename T, typename P>
+void addTurnedLoads(const Plan<P>& plan, DerivativesWorkspace<T>& ws) {
   if (ws.turned.empty()) return;
   for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     const auto& turned = ws.turned[i + 1];
     for (int k = 0; k < link.axes; ++k) {
       auto& a = ws.axes[(link.column + k) / kBlock];
@@ -325,31 +327,33 @@ void addTurnedLoads(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
   }
 }
 
-/// Entries of four axes with themselves, of the joints that have one.
+/// Entries of the axes of a pack with themselves, of the joints that have one.
 template <typename Pack, typename T>
 DYNWITNESS_INLINE void writeDiagonal(const typename DerivativesWorkspace<T>::Axes& a,
-                                     const ColumnBlock& block, const ForceDerivatives<T>& out) {
-  const Vec<Pack> z = a.z_w.template load<Pack>();
-  Pack M = Pack::load(a.rotor) + dot(z, a.F_n.template load<Pack>());
-  Pack q = Pack::load(a.stiffness) + dot(z, a.F_q_n.template load<Pack>());
-  Pack qd = Pack::load(a.viscous) + dot(z, a.F_qd_n.template load<Pack>());
+                                     const ColumnBlock& block, int lane,
+                                     const ForceDerivatives<T>& out) {
+  const Vec<Pack> z = a.z_w.template load<Pack>(lane);
+  Pack M = Pack::load(a.rotor + lane) + dot(z, a.F_n.template load<Pack>(lane));
+  Pack q = Pack::load(a.stiffness + lane) + dot(z, a.F_q_n.template load<Pack>(lane));
+  Pack qd = Pack::load(a.viscous + lane) + dot(z, a.F_qd_n.template load<Pack>(lane));
   if (!a.are_turns) {
-    const Vec<Pack> z_v = a.z_v.template load<Pack>();
-    M = M + dot(z_v, a.F_f.template load<Pack>());
-    q = q + dot(z_v, a.F_q_f.template load<Pack>());
-    qd = qd + dot(z_v, a.F_qd_f.template load<Pack>());
+    const Vec<Pack> z_v = a.z_v.template load<Pack>(lane);
+    M = M + dot(z_v, a.F_f.template load<Pack>(lane));
+    q = q + dot(z_v, a.F_q_f.template load<Pack>(lane));
+    qd = qd + dot(z_v, a.F_qd_f.template load<Pack>(lane));
   }
-  T of_M[kBlock], of_q[kBlock], of_qd[kBlock];
+  T of_M[Pack::kCount], of_q[Pack::kCount], of_qd[Pack::kCount];
   M.store(of_M), q.store(of_q), qd.store(of_qd);
-  for (int l = block.first_column - block.begin; l < kBlock; ++l) {
-    const std::size_t d = block.dofs[l], to = d * (out.stride + 1);
+  for (int l = 0; l < Pack::kCount; ++l) {
+    if (lane + l < block.first_column - block.begin) continue;
+    const std::size_t d = block.dofs[lane + l], to = d * (out.stride + 1);
     out.M[d * (out.M_stride + 1)] = of_M[l], out.dtau_dq[to] = of_q[l], out.dtau_dqd[to] = of_qd[l];
   }
 }
 
 /// Entries of the axes of a joint that has several, but for those with themselves.
-template <typename T>
-void writeSeveral(const Link<T>& link, const DerivativesWorkspace<T>& ws,
+template <typename T, typename P>
+void writeSeveral(const Link<P>& link, const DerivativesWorkspace<T>& ws,
                   const ForceDerivatives<T>& out) {
   for (int k = 0; k < link.axes; ++k) {
     const auto& a = ws.axes[(link.column + k) / kBlock];
@@ -369,20 +373,20 @@ void writeSeveral(const Link<T>& link, const DerivativesWorkspace<T>& ws,
 
 /// (8): beyond the joint the wrench through it turns, too.
 template <typename Pack, typename Axes, typename Bodies>
-DYNWITNESS_INLINE void turnWrenches(Axes& a, const Bodies& b) {
-  const Vec<Pack> z = a.z_w.template load<Pack>(), f = b.f.template load<Pack>();
-  Vec<Pack> moment = a.F_q_n.template load<Pack>() + cross(z, b.n.template load<Pack>());
-  if (!a.are_turns) moment = moment + cross(a.z_v.template load<Pack>(), f);
-  a.F_q_f.store(a.F_q_f.template load<Pack>() + cross(z, f));
-  a.F_q_n.store(moment);
+DYNWITNESS_INLINE void turnWrenches(Axes& a, const Bodies& b, int lane) {
+  const Vec<Pack> z = a.z_w.template load<Pack>(lane), f = b.f.template load<Pack>(lane);
+  Vec<Pack> moment = a.F_q_n.template load<Pack>(lane) + cross(z, b.n.template load<Pack>(lane));
+  if (!a.are_turns) moment = moment + cross(a.z_v.template load<Pack>(lane), f);
+  a.F_q_f.store(a.F_q_f.template load<Pack>(lane) + cross(z, f), lane);
+  a.F_q_n.store(moment, lane);
 }
 
 /// (14): beyond the joint the carried rotor is felt.
-template <typename T>
-void addSpins(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
+template <typename T, typename P>
+void addSpins(const Plan<P>& plan, DerivativesWorkspace<T>& ws) {
   if (!plan.has_specials) return;
   for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<P>& link = plan.links[i];
     if (!link.is_special) continue;
     const T* const e_z = ws.frames[i + 1].z;
     const Vec<T> spin = Vec<T>{e_z[0], e_z[1], e_z[2]} * link.spin;
@@ -397,26 +401,26 @@ void addSpins(const Plan<T>& plan, DerivativesWorkspace<T>& ws) {
   }
 }
 
-/// Four columns on their way to the world.
+/// The columns of a pack on their way to the world.
 template <typename Pack, typename T>
 struct Carried {
   Vec<Pack> f, n, f_q, n_q, f_qd, n_qd, G, W;
 
   template <typename Axes>
-  DYNWITNESS_INLINE Carried(const Axes& a, int first)
-      : n(a.F_n.template load<Pack>()),
-        n_q(a.F_q_n.template load<Pack>()),
-        n_qd(a.F_qd_n.template load<Pack>()),
-        G(a.G.template load<Pack>()),
-        W(a.W.template load<Pack>()) {
-    join(a, first);
+  DYNWITNESS_INLINE Carried(const Axes& a, int first, int lane)
+      : n(a.F_n.template load<Pack>(lane)),
+        n_q(a.F_q_n.template load<Pack>(lane)),
+        n_qd(a.F_qd_n.template load<Pack>(lane)),
+        G(a.G.template load<Pack>(lane)),
+        W(a.W.template load<Pack>(lane)) {
+    join(a, first, lane);
   }
   /// Columns join: the forces of those inboard are left out, and their moments stay what they were.
   template <typename Axes>
-  DYNWITNESS_INLINE void join(const Axes& a, int first) {
-    f = a.F_f.template loadFrom<Pack>(first);
-    f_q = a.F_q_f.template loadFrom<Pack>(first);
-    f_qd = a.F_qd_f.template loadFrom<Pack>(first);
+  DYNWITNESS_INLINE void join(const Axes& a, int first, int lane) {
+    f = a.F_f.template loadFrom<Pack>(first, lane);
+    f_q = a.F_q_f.template loadFrom<Pack>(first, lane);
+    f_qd = a.F_qd_f.template loadFrom<Pack>(first, lane);
   }
   DYNWITNESS_INLINE void shift(const T* p) {
     n = n + crossed(p, f);
@@ -437,16 +441,18 @@ struct Entries {
   const ColumnBlock& block;
   int d;             ///< of the axis
   int first_column;  ///< that has joined
+  int lane;          ///< of the block, where the pack begins
 
   DYNWITNESS_INLINE bool isWhole() const {
-    return block.first_dof >= 0 && first_column <= block.begin;
+    return Pack::kCount == kBlock && block.first_dof >= 0 && first_column <= block.begin;
   }
   template <typename Put>
   void each(const Pack& entries, const Put& put) const {
-    T values[kBlock];
+    T values[Pack::kCount];
     entries.store(values);
-    for (int k = std::max(block.first_column, first_column) - block.begin; k < kBlock; ++k)
-      put(static_cast<std::size_t>(block.dofs[k]), values[k]);
+    const int first = std::max(block.first_column, first_column) - block.begin;
+    for (int k = std::max(first - lane, 0); k < Pack::kCount; ++k)
+      put(static_cast<std::size_t>(block.dofs[lane + k]), values[k]);
   }
   /// In the axis's row ...
   DYNWITNESS_INLINE void across(T* matrix, std::size_t stride, const Pack& entries) const {
@@ -457,7 +463,8 @@ struct Entries {
   /// ... and in its column.
   DYNWITNESS_INLINE void down(T* matrix, std::size_t stride, const Pack& entries) const {
     T* const column = matrix + d;
-    if (isWhole()) return entries.scatter(column + block.first_dof * stride, stride);
+    if constexpr (Pack::kCount == kBlock)
+      if (isWhole()) return entries.scatter(column + block.first_dof * stride, stride);
     each(entries, [&](std::size_t to, const T& value) { column[to * stride] = value; });
   }
 };
@@ -493,31 +500,33 @@ DYNWITNESS_INLINE void writeEntries(const Entries<Pack, T>& to, const Carried<Pa
   to.across(out.dtau_dqd, out.stride, qd), to.down(out.dtau_dqd, out.stride, row_qd);
 }
 
-/// One block inward: what the joints on the way to the world feel of its columns, and it of them.
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void carryInward(const Plan<T>& plan, const ColumnBlock& block,
+/// A pack of a block inward: what the joints on the way to the world feel of its columns, and it of
+/// them.
+template <typename Pack, typename T, typename P>
+DYNWITNESS_INLINE void carryInward(const Plan<P>& plan, const ColumnBlock& block, int lane,
                                    const DerivativesWorkspace<T>& ws,
                                    const ForceDerivatives<T>& out) {
   const bool has_world_loads = !ws.turned.empty();
   const auto& own = ws.axes[block.begin / kBlock];
-  const Link<T>* const links = plan.links.data();
+  const Link<P>* const links = plan.links.data();
   const auto* const frames = ws.frames.data();
   const auto* const all_axes = ws.axes.data();
   int record = block.last_link + 1;
-  Carried<Pack, T> carried(own, links[record - 1].column - block.begin);
+  Carried<Pack, T> carried(own, links[record - 1].column - block.begin, lane);
   while (links[record - 1].parent > 0) {
-    const Link<T>& link = links[record - 1];
+    const Link<P>& link = links[record - 1];
     const auto& frame = frames[record];
     record = link.parent;
-    const Link<T>& next = links[record - 1];
+    const Link<P>& next = links[record - 1];
     if (link.is_apart) carried.shift(frame.p);
     if (link.is_apart || !isTurn(next.step)) carried.pass(frame.u2);
-    for (int l = 0; l < next.axes; ++l) {
-      const Entries<Pack, T> to{block, next.dof + l, link.column};
+    const bool joined = Pack::kCount == kBlock || link.column <= block.begin + lane;
+    for (int l = 0; joined && l < next.axes; ++l) {
+      const Entries<Pack, T> to{block, next.dof + l, link.column, lane};
       const auto& axes = all_axes[(next.column + l) / kBlock];
-      const int lane = (next.column + l) % kBlock;
+      const int of_axis = (next.column + l) % kBlock;
       const auto write = [&](auto axis) DYNWITNESS_INLINE_LAMBDA {
-        writeEntries<decltype(axis)::value>(to, carried, axes, lane, next.parent == 0,
+        writeEntries<decltype(axis)::value>(to, carried, axes, of_axis, next.parent == 0,
                                             has_world_loads, out);
       };
       if (isTurn(next.step))
@@ -529,37 +538,54 @@ DYNWITNESS_INLINE void carryInward(const Plan<T>& plan, const ColumnBlock& block
       else
         write(std::integral_constant<Axis, Axis::kTurnsAndSlides>());
     }
-    if (next.column + next.axes > block.begin) carried.join(own, next.column - block.begin);
+    if (next.column + next.axes > block.begin) carried.join(own, next.column - block.begin, lane);
   }
 }
 
 /// Zeros where joints do not feel each other.
-template <typename T>
-void clear(const Plan<T>& plan, const ForceDerivatives<T>& out) {
+template <typename T, typename P>
+void clear(const Plan<P>& plan, const ForceDerivatives<T>& out) {
   const std::size_t n = plan.dof;
   if (plan.is_chain) return;  // there are none
   for (T* const matrix : {out.dtau_dq, out.dtau_dqd, out.M}) std::fill_n(matrix, n * n, T(0));
 }
 
 /// Writes what is not zero by nature.
-template <typename Pack, typename T>
-DYNWITNESS_INLINE void inverseDynamicsDerivativesBody(const Plan<T>& plan,
+/// @tparam Pack    of the components of a vector
+/// @tparam Column  of links and columns side by side
+template <typename Pack, typename Column = Pack, typename T, typename P>
+DYNWITNESS_INLINE void inverseDynamicsDerivativesBody(const Plan<P>& plan,
                                                       const JointPosition<T>* x, const T* qd,
                                                       const T* qdd, DerivativesWorkspace<T>& ws,
                                                       const ForceDerivatives<T>& out) {
   const std::size_t blocks = plan.blocks.size();
+  const auto forColumns = [&](const auto& f) DYNWITNESS_INLINE_LAMBDA {
+    for (std::size_t b = 0; b < blocks; ++b)
+      forEachLane<Column>(plan.blocks[b].first_column - plan.blocks[b].begin,
+                          [&](int lane) DYNWITNESS_INLINE_LAMBDA {
+                            f(plan.blocks[b], ws.axes[b], ws.bodies[b], lane);
+                          });
+  };
+  using Axes = typename DerivativesWorkspace<T>::Axes;
+  using Bodies = typename DerivativesWorkspace<T>::Bodies;
   moveOutward<Pack>(plan, x, qd, qdd, ws);
   for (std::size_t b = 0; b < ws.bodies.size(); ++b)
-    ownBodies<Pack>(ws.bodies[b], b < blocks && ws.axes[b].are_turns);
+    forEachLane<Column>(0, [&](int lane) DYNWITNESS_INLINE_LAMBDA {
+      ownBodies<Column>(ws.bodies[b], b < blocks && ws.axes[b].are_turns, lane);
+    });
   subtractLoads(plan, ws);
   sumInward(plan, qd, qdd, ws);
-  for (std::size_t b = 0; b < blocks; ++b) columnsOf<Pack>(ws.axes[b], ws.bodies[b]);
+  forColumns([&](const ColumnBlock&, Axes& a, const Bodies& b, int lane)
+                 DYNWITNESS_INLINE_LAMBDA { columnsOf<Column>(a, b, lane); });
   addTurnedLoads(plan, ws);
-  for (std::size_t b = 0; b < blocks; ++b) writeDiagonal<Pack, T>(ws.axes[b], plan.blocks[b], out);
+  forColumns([&](const ColumnBlock& block, Axes& a, const Bodies&, int lane)
+                 DYNWITNESS_INLINE_LAMBDA { writeDiagonal<Column, T>(a, block, lane, out); });
   for (const int i : ws.several) writeSeveral(plan.links[i], ws, out);
-  for (std::size_t b = 0; b < blocks; ++b) turnWrenches<Pack>(ws.axes[b], ws.bodies[b]);
+  forColumns([&](const ColumnBlock&, Axes& a, const Bodies& b, int lane)
+                 DYNWITNESS_INLINE_LAMBDA { turnWrenches<Column>(a, b, lane); });
   addSpins(plan, ws);
-  for (const ColumnBlock& block : plan.blocks) carryInward<Pack>(plan, block, ws, out);
+  forColumns([&](const ColumnBlock& block, const Axes&, const Bodies&, int lane)
+                 DYNWITNESS_INLINE_LAMBDA { carryInward<Column>(plan, block, lane, ws, out); });
 }
 
 DYNWITNESS_FOR_AVX2 inline void inverseDynamicsDerivativesForAvx2(

@@ -14,6 +14,7 @@ inline constexpr int kBlock = 4;
 /// As many numbers as a block has columns, side by side, on any scalar.
 template <typename T>
 struct Lanes {
+  static constexpr int kCount = kBlock;
   T v[kBlock];
 
   static Lanes load(const T* from) { return {{from[0], from[1], from[2], from[3]}}; }
@@ -53,8 +54,38 @@ struct Lanes {
   }
 };
 
+/// One column of a block, where a number is a vector of many states and four would not stay in
+/// registers: what is done to it is what is done to a lane of the others.
+template <typename T>
+struct One {
+  static constexpr int kCount = 1;
+  T v;
+
+  static DYNWITNESS_INLINE One load(const T* from) { return {*from}; }
+  static DYNWITNESS_INLINE One loadFrom(int first, const T* from) {
+    return {first > 0 ? T(0) : *from};
+  }
+  DYNWITNESS_INLINE void store(T* to) const { *to = v; }
+  DYNWITNESS_INLINE One operator+(const One& b) const { return {v + b.v}; }
+  DYNWITNESS_INLINE One operator-(const One& b) const { return {v - b.v}; }
+  DYNWITNESS_INLINE One operator-() const { return {-v}; }
+  DYNWITNESS_INLINE One operator*(const One& b) const { return {v * b.v}; }
+  friend DYNWITNESS_INLINE One operator*(const T& s, const One& b) { return {s * b.v}; }
+};
+
+/// Calls f(lane) for the lanes of a block, the first that is in use and those after it: each, or
+/// once for a pack of all.
+template <typename Pack, typename F>
+DYNWITNESS_INLINE void forEachLane(int first, const F& f) {
+  if constexpr (Pack::kCount == kBlock)
+    f(0);
+  else
+    for (int lane = first; lane < kBlock; ++lane) f(lane);
+}
+
 /// The same for double in vector registers of two, which every x86-64 and AArch64 processor has ...
 struct TwoPairs {
+  static constexpr int kCount = kBlock;
   typedef double Pair __attribute__((vector_size(16)));
   typedef double Memory __attribute__((vector_size(16), aligned(8), may_alias));
   typedef long long Bits __attribute__((vector_size(16)));
@@ -104,6 +135,7 @@ struct TwoPairs {
 
 /// ... and of four.
 struct Quad {
+  static constexpr int kCount = kBlock;
   typedef double Four __attribute__((vector_size(32)));
   typedef double Memory __attribute__((vector_size(32), aligned(8), may_alias));
   typedef long long Bits __attribute__((vector_size(32)));

@@ -5,25 +5,14 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <stdexcept>
-#include <string>
-#include <variant>
 #include <vector>
 
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"
 #include "recursive/fast/mass_matrix.hpp"
-#include "recursive/fast/states.hpp"
+#include "recursive/fast/strided.hpp"
 
 namespace dynwitness::recursive::fast {
-
-/// Numbers of many states, as NumPy lays them out:
-///     number k of state s is at[s * state + k * number].
-template <typename T>
-struct Strided {
-  T* at;
-  std::ptrdiff_t state, number = 1;  ///< so many numbers (not bytes) to the next
-};
 
 namespace detail {
 
@@ -44,33 +33,12 @@ struct ManyStatesWorkspace {
   std::vector<JointPosition<S>> x;
   std::vector<S> rates, given, out;  ///< qd; qdd or tau; the answer
   std::vector<S> M;                  ///< n n numbers, once it was asked for
+  std::vector<int> places;           ///< in M, of packed numbers
+  std::vector<S> packed;
   InverseDynamicsWorkspace<S> id;
   MassMatrixWorkspace<S> m;
   ForwardDynamicsWorkspace<S> fd;
 };
-
-/// The states [first, first + count) of a block, count <= N; the last one fills what is left.
-template <int N>
-DYNWITNESS_INLINE States<N> gather(const Strided<const double>& from, std::size_t first, int count,
-                                   int number) {
-  States<N> out;
-  const double* at =
-      from.at + static_cast<std::ptrdiff_t>(first) * from.state + number * from.number;
-  for (int lane = 0; lane < N; ++lane) {
-    out.v[lane] = *at;
-    if (lane + 1 < count) at += from.state;
-  }
-  return out;
-}
-template <int N>
-DYNWITNESS_INLINE void scatter(const States<N>& from, const Strided<double>& to, std::size_t first,
-                               int count, int number) {
-  double* at = to.at + static_cast<std::ptrdiff_t>(first) * to.state + number * to.number;
-  for (int lane = 0;; at += to.state) {
-    *at = from.v[lane];
-    if (++lane == count) return;
-  }
-}
 
 /// What a sweep is asked.
 struct Asked {
@@ -78,7 +46,7 @@ struct Asked {
   Strided<const double> q, qd, given;  ///< given: qdd of tau, tau of qdd
   Strided<double> out;
 };
-enum class Sweep { kInverseDynamics, kMassMatrix, kForwardDynamics };
+enum class Sweep { kInverseDynamics, kMassMatrix, kPackedMassMatrix, kForwardDynamics };
 
 template <Sweep kSweep, int N>
 DYNWITNESS_INLINE void sweepBlocks(const Plan<double>& plan, ManyStatesWorkspace<N>& ws,
@@ -86,28 +54,25 @@ DYNWITNESS_INLINE void sweepBlocks(const Plan<double>& plan, ManyStatesWorkspace
   using S = States<N>;
   for (std::size_t first = 0; first < asked.states; first += N) {
     const int count = static_cast<int>(std::min<std::size_t>(N, asked.states - first));
-    for (int k = 0; k < plan.positions; ++k) {
-      JointPosition<S>& x = ws.x[static_cast<std::size_t>(k)];
-      x.q = gather<N>(asked.q, first, count, k);
-      sineCosine(x.q, x.s, x.c);
-    }
+    positionsOf(asked.q, first, count, plan.positions, ws.x.data());
     if constexpr (kSweep == Sweep::kMassMatrix) {
       massMatrixBody<Lanes<S>>(plan, ws.x.data(), ws.m, ws.M.data());
-      for (int k = 0; k < plan.dof * plan.dof; ++k)
-        scatter<N>(ws.M[static_cast<std::size_t>(k)], asked.out, first, count, k);
+      scatterAll(ws.M.data(), plan.dof * plan.dof, asked.out, first, count);
+    } else if constexpr (kSweep == Sweep::kPackedMassMatrix) {
+      massMatrixBody<Lanes<S>, false>(plan, ws.x.data(), ws.m, ws.M.data());
+      for (std::size_t k = 0; k < ws.places.size(); ++k)
+        ws.packed[k] = ws.M[static_cast<std::size_t>(ws.places[k])];
+      scatterAll(ws.packed.data(), static_cast<int>(ws.places.size()), asked.out, first, count);
     } else {
-      for (int k = 0; k < plan.dof; ++k) {
-        ws.rates[static_cast<std::size_t>(k)] = gather<N>(asked.qd, first, count, k);
-        ws.given[static_cast<std::size_t>(k)] = gather<N>(asked.given, first, count, k);
-      }
+      numbersOf(asked.qd, first, count, plan.dof, ws.rates.data());
+      numbersOf(asked.given, first, count, plan.dof, ws.given.data());
       if constexpr (kSweep == Sweep::kInverseDynamics)
         inverseDynamicsBody(plan, ws.x.data(), ws.rates.data(), ws.given.data(), ws.id,
                             ws.out.data());
       else
         forwardDynamicsBody(plan, ws.x.data(), ws.rates.data(), ws.given.data(), ws.fd,
                             ws.out.data());
-      for (int k = 0; k < plan.dof; ++k)
-        scatter<N>(ws.out[static_cast<std::size_t>(k)], asked.out, first, count, k);
+      scatterAll(ws.out.data(), plan.dof, asked.out, first, count);
     }
   }
 }
@@ -134,10 +99,10 @@ DYNWITNESS_FOR_AVX512 __attribute__((flatten)) void sweep(const Plan<double>& pl
 
 }  // namespace detail
 
-/// How many doubles the widest vectors of this processor hold.
-inline int widestVectors() {
-  return kHasAvx512 ? 8 : kHasAvx2 ? 4 : 2;
-}
+/// Where a number of M stands: column <= row.
+struct MassMatrixEntry {
+  int row, column;
+};
 
 /** A mechanism that is decided when the program runs, made ready once, then asked at many states
     at once: each gets the same bits as from Dynamics, one by one (compiled as x86-64 is by default,
@@ -145,17 +110,15 @@ inline int widestVectors() {
 
     Arrays are read and written where they stand (Strided), which may be NumPy's: q has
     model.positions numbers a state, qd, qdd, tau model.dof() each, M the square of that. They may
-    not overlap. No call allocates, but that the first massMatrix() takes room for M of `width()`
-    states. One object serves one thread. */
+    not overlap. No call allocates, but that the first massMatrix() and the first packedMassMatrix()
+    take room for M of `width()` states. One object serves one thread. */
 class ManyStates {
  public:
   /// @param width  states side by side: 2, 4 or 8, as wide as the processor has them or narrower
   explicit ManyStates(const Model<double>& model, int width = widestVectors())
-      : plan_(model), workspace_(madeFor(width)) {}
+      : plan_(model), workspace_(plan_, width, "ManyStates") {}
 
-  int width() const {
-    return std::visit([](const auto& ws) { return ws.kWidth; }, workspace_);
-  }
+  int width() const { return workspace_.width(); }
 
   /// tau of M qdd + c + g - Q
   void inverseDynamics(std::size_t states, Strided<const double> q, Strided<const double> qd,
@@ -164,8 +127,33 @@ class ManyStates {
   }
   void massMatrix(std::size_t states, Strided<const double> q, Strided<double> M) {
     const auto n = static_cast<std::size_t>(plan_.dof);
-    std::visit([n](auto& ws) { ws.M.resize(n * n); }, workspace_);
+    workspace_.visit([n](auto& ws) { ws.M.resize(n * n); });
     sweep<detail::Sweep::kMassMatrix>({states, q, {}, {}, M});
+  }
+  /// Which entries packedMassMatrix() gives, in this order: of the lower half row by row those that
+  /// are not zero by nature, since one rate is inboard of the other.
+  std::vector<MassMatrixEntry> packedEntries() const {
+    std::vector<MassMatrixEntry> entries;
+    const std::vector<std::vector<int>> inboard = ratesInboard(plan_);
+    for (int row = 0; row < plan_.dof; ++row) {
+      for (const int column : inboard[static_cast<std::size_t>(row)])
+        entries.push_back({row, column});
+      entries.push_back({row, row});
+    }
+    return entries;
+  }
+  /// The numbers of M that say all of it, packedEntries().size() a state, the same bits: a fifth of
+  /// a humanoid's n^2.
+  void packedMassMatrix(std::size_t states, Strided<const double> q, Strided<double> packed) {
+    workspace_.visit([this](auto& ws) {
+      if (!ws.places.empty()) return;
+      const auto n = static_cast<std::size_t>(plan_.dof);
+      ws.M.resize(n * n);
+      for (const MassMatrixEntry& e : packedEntries())
+        ws.places.push_back(e.column * plan_.dof + e.row);  // the sweep fills the upper half
+      ws.packed.resize(ws.places.size());
+    });
+    sweep<detail::Sweep::kPackedMassMatrix>({states, q, {}, {}, packed});
   }
   /// qdd of M qdd + c + g = tau + Q
   void forwardDynamics(std::size_t states, Strided<const double> q, Strided<const double> qd,
@@ -174,30 +162,13 @@ class ManyStates {
   }
 
  private:
-#ifdef __x86_64__
-  using Workspace = std::variant<detail::ManyStatesWorkspace<2>, detail::ManyStatesWorkspace<4>,
-                                 detail::ManyStatesWorkspace<8>>;
-#else
-  using Workspace = std::variant<detail::ManyStatesWorkspace<2>>;
-#endif
-  Workspace madeFor(int width) const {
-    if (width == 2) return Workspace(std::in_place_index<0>, plan_);
-#ifdef __x86_64__
-    if (width == 4 && kHasAvx2) return Workspace(std::in_place_index<1>, plan_);
-    if (width == 8 && kHasAvx512) return Workspace(std::in_place_index<2>, plan_);
-#endif
-    throw std::invalid_argument(
-        "ManyStates: width " + std::to_string(width) +
-        " was asked; allowed: 2, 4 with AVX2, 8 with AVX-512 (here at most " +
-        std::to_string(widestVectors()) + ")");
-  }
   template <detail::Sweep kSweep>
   void sweep(const detail::Asked& asked) {
-    std::visit([&](auto& ws) { detail::sweep<kSweep>(plan_, ws, asked); }, workspace_);
+    workspace_.visit([&](auto& ws) { detail::sweep<kSweep>(plan_, ws, asked); });
   }
 
   Plan<double> plan_;
-  Workspace workspace_;
+  detail::OfWidth<detail::ManyStatesWorkspace> workspace_;
 };
 
 }  // namespace dynwitness::recursive::fast

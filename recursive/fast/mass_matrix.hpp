@@ -2,10 +2,31 @@
 // The joint-space mass matrix by composite bodies over a plan.
 #pragma once
 
+#include <vector>
+
 #include "recursive/fast/lanes.hpp"
 #include "recursive/fast/plan.hpp"
 
 namespace dynwitness::recursive::fast {
+
+/// Of each rate those inboard that it feels, from the world on: all other entries of its row of the
+/// lower half of M are zero by nature.
+template <typename P>
+std::vector<std::vector<int>> ratesInboard(const Plan<P>& plan) {
+  std::vector<std::vector<int>> inboard(plan.dof);
+  for (const Link<P>& link : plan.links) {
+    int p = link.parent;
+    while (p > 0 && plan.links[p - 1].axes == 0) p = plan.links[p - 1].parent;
+    const int last = p == 0 ? -1 : plan.links[p - 1].dof + plan.links[p - 1].axes - 1;
+    for (int k = 0, d = link.dof; k < link.axes; ++k, ++d) {
+      const int next = k == 0 ? last : d - 1;
+      if (next < 0) continue;
+      inboard[d] = inboard[next];
+      inboard[d].push_back(next);
+    }
+  }
+  return inboard;
+}
 
 /// What the sweep writes on, sized once for a plan.
 template <typename T>
@@ -95,7 +116,8 @@ DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Vec<T>& h, Symm
   h = h_A;
 }
 
-template <typename Pack, typename T, typename P>
+/// @tparam kWhole  false: the upper half and the diagonal only, of rates that feel each other
+template <typename Pack, bool kWhole = true, typename T, typename P>
 DYNWITNESS_INLINE void massMatrixBody(const Plan<P>& plan, const JointPosition<T>* x,
                                       MassMatrixWorkspace<T>& ws, T* M) {
   using Frame = typename MassMatrixWorkspace<T>::Frame;
@@ -133,7 +155,8 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<P>& plan, const JointPosition<T
 
   // inward: what is outboard of each joint as one body, and the column that moves this joint alone
   Composite I_C;  // of the link at hand; between two, what the link before hands inward
-  if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
+  if (kWhole && !plan.is_chain)
+    std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
   for (int i = n - 1; i >= 0; --i) {
     const Link<P>& link = links[i];
     const Frame& frame = frames[i + 1];
@@ -202,14 +225,15 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<P>& plan, const JointPosition<T
       T *const across = M + d * dof, *const down = M + d;
       if (block.first_dof >= 0 && first_column <= block.begin) {
         row.store(across + block.first_dof);
-        row.scatter(down + block.first_dof * dof, dof);
+        if constexpr (kWhole) row.scatter(down + block.first_dof * dof, dof);
         return;
       }
       T values[kBlock];
       row.store(values);
       for (int k = std::max(block.first_column, first_column) - block.begin; k < kBlock; ++k) {
         const std::size_t to = block.dofs[k];
-        across[to] = down[to * dof] = values[k];
+        across[to] = values[k];
+        if constexpr (kWhole) down[to * dof] = values[k];
       }
     };
     const auto along = [](const T* e, const Pack& x, const Pack& y, const Pack& z)

@@ -18,16 +18,18 @@ struct Wide3 {
   T x[kBlock], y[kBlock], z[kBlock];
 
   template <typename Pack>
-  DYNWITNESS_INLINE Vec<Pack> load() const {
-    return {Pack::load(x), Pack::load(y), Pack::load(z)};
+  DYNWITNESS_INLINE Vec<Pack> load(int lane = 0) const {
+    return {Pack::load(x + lane), Pack::load(y + lane), Pack::load(z + lane)};
   }
   template <typename Pack>
-  DYNWITNESS_INLINE Vec<Pack> loadFrom(int first) const {
-    return {Pack::loadFrom(first, x), Pack::loadFrom(first, y), Pack::loadFrom(first, z)};
+  DYNWITNESS_INLINE Vec<Pack> loadFrom(int first, int lane) const {
+    const int of_pack = first - lane;
+    return {Pack::loadFrom(of_pack, x + lane), Pack::loadFrom(of_pack, y + lane),
+            Pack::loadFrom(of_pack, z + lane)};
   }
   template <typename Pack>
-  DYNWITNESS_INLINE void store(const Vec<Pack>& v) {
-    v.x.store(x), v.y.store(y), v.z.store(z);
+  DYNWITNESS_INLINE void store(const Vec<Pack>& v, int lane = 0) {
+    v.x.store(x + lane), v.y.store(y + lane), v.z.store(z + lane);
   }
   /// One of them, whose components are the lanes of a pack.
   template <typename Pack>
@@ -47,14 +49,14 @@ struct Wide6 {
   T xx[kBlock], yy[kBlock], zz[kBlock], xy[kBlock], xz[kBlock], yz[kBlock];
 
   template <typename Pack>
-  DYNWITNESS_INLINE Symmetric3<Pack> load() const {
-    return {Pack::load(xx), Pack::load(yy), Pack::load(zz),
-            Pack::load(xy), Pack::load(xz), Pack::load(yz)};
+  DYNWITNESS_INLINE Symmetric3<Pack> load(int lane = 0) const {
+    return {Pack::load(xx + lane), Pack::load(yy + lane), Pack::load(zz + lane),
+            Pack::load(xy + lane), Pack::load(xz + lane), Pack::load(yz + lane)};
   }
   template <typename Pack>
-  DYNWITNESS_INLINE void store(const Symmetric3<Pack>& m) {
-    m.xx.store(xx), m.yy.store(yy), m.zz.store(zz);
-    m.xy.store(xy), m.xz.store(xz), m.yz.store(yz);
+  DYNWITNESS_INLINE void store(const Symmetric3<Pack>& m, int lane = 0) {
+    m.xx.store(xx + lane), m.yy.store(yy + lane), m.zz.store(zz + lane);
+    m.xy.store(xy + lane), m.xz.store(xz + lane), m.yz.store(yz + lane);
   }
   DYNWITNESS_INLINE Symmetric3<T> at(int lane) const {
     return {xx[lane], yy[lane], zz[lane], xy[lane], xz[lane], yz[lane]};

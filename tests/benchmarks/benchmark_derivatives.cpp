@@ -7,6 +7,7 @@
 #include "crosscheck/chart/raw_mujoco.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/lifted.hpp"
+#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/moving_state.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
@@ -89,6 +90,37 @@ void fast(benchmark::State& run, const std::string& scene, bool of_accelerations
     benchmark::ClobberMemory();
   }
   by->releaseDerivatives(sweeps);
+  tellWork(run, arm.scene, arm.model, of_accelerations ? "dqdd" : "dtau", false);
+}
+
+/// All states in one call, state by state as NumPy lays them out.
+void fastMany(benchmark::State& run, const std::string& scene, bool of_accelerations) {
+  Arm arm(scene);
+  const int n = arm.model.dof(), nq = arm.model.positions, nn = n * n;
+  std::vector<double> q, qd, given;
+  for (const scene::State<double>& s : arm.states) {
+    for (const scene::JointPosition<double>& x : s.x) q.push_back(x.q);
+    const std::vector<double>& third = of_accelerations ? s.tau : s.qdd;
+    qd.insert(qd.end(), s.qd.begin(), s.qd.end());
+    given.insert(given.end(), third.begin(), third.end());
+  }
+  std::vector<double> three(3 * arm.states.size() * static_cast<std::size_t>(nn));
+  double* const by_q = three.data();
+  double* const by_qd = by_q + three.size() / 3;
+  double* const by_third = by_qd + three.size() / 3;
+  recursive::fast::ManyDerivatives many(arm.model);
+  for (auto _ : run) {
+    if (of_accelerations)
+      many.forwardDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {given.data(), n}, {by_q, nn},
+                           {by_qd, nn}, {by_third, nn});
+    else
+      many.inverseDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {given.data(), n}, {by_q, nn},
+                           {by_qd, nn}, {by_third, nn});
+    benchmark::DoNotOptimize(three.data());
+    benchmark::ClobberMemory();
+  }
+  run.counters[kStatesCounter] = kStates;
+  tellWork(run, arm.scene, arm.model, of_accelerations ? "dqdd" : "dtau", true);
 }
 
 #ifdef DYNWITNESS_HAS_MUJOCO
@@ -151,6 +183,7 @@ void registerDerivatives(BenchResult* result) {
                {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true});
   compilers.emplace_back("fast_second", &kFastBySecond);
 #endif
+  addContender(result, {"fast_lanes", fastLanesLabel(), true});
 #ifdef DYNWITNESS_HAS_MUJOCO
   addContender(result, {"mujoco_differences", "MuJoCo, differences of a step"});
 #endif
@@ -170,7 +203,8 @@ void registerDerivatives(BenchResult* result) {
                                  [=](benchmark::State& run) { mujocoDifferences(run, scene); });
 #endif
     for (const auto& [what, of_accelerations] : {std::pair("dtau", false), {"dqdd", true}})
-      for (const auto& [by, function] : {std::pair("recursive", swept), {"duals", byDuals}})
+      for (const auto& [by, function] :
+           {std::pair("recursive", swept), {"duals", byDuals}, {"fast_lanes", fastMany}})
         benchmark::RegisterBenchmark(
             fmt::format("{}/{}/{}", scene, what, by).c_str(),
             [=, function = function, of_accelerations = of_accelerations](benchmark::State& run) {

@@ -37,7 +37,9 @@ Times inverse dynamics (ID), the mass matrix (M) and forward dynamics (FD) of an
 our sweeps and kernels, made by two compilers, beside the engines, all in one run on the same states;
 their first derivatives (dtau, dqdd) by sweeps and by dual numbers; the derivation, with SymPy's
 beside it; making a kernel; a whole crosscheck. Counts operations of kernels. Prints ratios to MuJoCo and to Simbody,
-and for every goal whether it is reached or by how much it is missed. Takes some minutes.
+and for every goal whether it is reached or by how much it is missed, and how far from what one core of
+this machine could do at its best (operations a second, bytes read and written a second, measured in the
+same run). Takes some minutes.
 
 Repetitions come in random order, so that a busy moment of the machine does not hit one contender
 alone, and the fastest counts.
@@ -54,7 +56,8 @@ alone, and the fastest counts.
   --help            this text
 
 Options of google-benchmark are passed on; these are the useful ones:
-  --benchmark_filter=REGEX     SCENE/FORMULA/CONTENDER, as franka_panda/ID/, /dtau/ or /fast
+  --benchmark_filter=REGEX     SCENE/FORMULA/CONTENDER, as franka_panda/ID/, /dtau/ or /fast;
+                               machine/ is what limits are made of: "machine/|/dtau/"
   --benchmark_list_tests=true  which there are
   --benchmark_repetitions=N    [{}]
   --benchmark_min_time=S       of a repetition [{}]
@@ -225,6 +228,7 @@ int run(int argc, char** argv) {
   result.goals = benchmarks::goals();
   // first: it asks how much memory a derivation takes, before there is some that lies idle
   benchmarks::registerDerivations(&result);
+  benchmarks::registerMachine();
   benchmarks::registerSweeps(&result);
   benchmarks::registerDerivatives(&result);
   benchmarks::registerStarts(&result);

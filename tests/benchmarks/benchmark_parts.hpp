@@ -5,10 +5,17 @@
 // one), and each other counter under the counter's name as unit.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include <benchmark/benchmark.h>
 
 #include "crosscheck/report/bench.hpp"
 #include "crosscheck/system/children.hpp"
+#include "recursive/model.hpp"
+#include "scene/scene.hpp"
 
 namespace dynwitness::benchmarks {
 
@@ -19,6 +26,7 @@ constexpr const char* kScenes[] = {"franka_panda", "humanoid", "humanoid_floatin
 
 /// Each adds its benchmarks to google-benchmark's list, and what the table must know of them to the
 /// result: contenders, and what is left out here.
+void registerMachine();                                     ///< machine/operation, ...
 void registerSweeps(crosscheck::BenchResult* result);       ///< SCENE/ID, M, FD/...
 void registerDerivatives(crosscheck::BenchResult* result);  ///< SCENE/dtau, dqdd/...
 void registerDerivations(crosscheck::BenchResult* result);  ///< SCENE/derivation/...
@@ -27,7 +35,17 @@ void registerStarts(crosscheck::BenchResult* result);       ///< making, crossch
 void registerEngines(crosscheck::BenchResult* result, const std::vector<std::string>& commands,
                      const crosscheck::Limits& limits);
 
+/** Counters of what one state takes: what a limit is made of.
+    @param what        ID, M, FD, dtau or dqdd
+    @param keeps_all   the answers of all states, not the last one's alone
+    @param operations  of its program, without sines and cosines; nothing: the fast sweep's */
+void tellWork(benchmark::State& run, const scene::Scene& scene,
+              const recursive::Model<double>& model, const std::string& what, bool keeps_all,
+              std::optional<long> operations = {});
+
 /// A contender that may have been added before.
 void addContender(crosscheck::BenchResult* result, const crosscheck::Contender& contender);
+
+std::string fastLanesLabel();  ///< of the contender fast_lanes
 
 }  // namespace dynwitness::benchmarks

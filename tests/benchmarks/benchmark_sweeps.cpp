@@ -132,6 +132,7 @@ void fast(benchmark::State& run, const std::string& scene, const FastBy* by, For
     benchmark::ClobberMemory();
   }
   by->release(sweeps);
+  tellWork(run, arm.scene, arm.setup.model, kernel::name(formula), false);
 }
 
 void engine(benchmark::State& run, const std::string& scene, const WitnessKind& kind,
@@ -185,6 +186,8 @@ void kernelOne(benchmark::State& run, const std::string& scene, Formula formula,
     benchmark::DoNotOptimize(out.data());
     benchmark::ClobberMemory();
   }
+  tellWork(run, arm.scene, arm.setup.model, kernel::name(formula), false,
+           kernel.road(formula).operations());
   if (!*compiler.suffix)  // the program is the same whoever compiles it
     run.counters["operations"] = kernel.road(formula).operations();
 }
@@ -212,6 +215,7 @@ void fastMany(benchmark::State& run, const std::string& scene, Formula formula) 
     benchmark::ClobberMemory();
   }
   run.counters[kStatesCounter] = benchmark::Counter(kStates, benchmark::Counter::kAvgThreads);
+  tellWork(run, arm.scene, arm.setup.model, kernel::name(formula), true);
 }
 
 /// All states in one call, component by component. In several threads each has its own states.
@@ -241,6 +245,9 @@ void kernelMany(benchmark::State& run, const std::string& scene, Formula formula
     benchmark::ClobberMemory();
   }
   run.counters[kStatesCounter] = benchmark::Counter(kStates, benchmark::Counter::kAvgThreads);
+  if (run.threads() == 1)  // limits are those of one core
+    tellWork(run, arm.scene, arm.setup.model, kernel::name(formula), true,
+             kernel.road(formula).operations());
 }
 
 // ---- engines, called raw ------------------------------------------------------------------------
@@ -336,6 +343,11 @@ void addContender(BenchResult* result, const Contender& contender) {
   result->contenders.push_back(contender);
 }
 
+std::string fastLanesLabel() {
+  return fmt::format("fast sweeps, {} states a vector, {}", recursive::fast::widestVectors(),
+                     kFastByOwn.compiler());
+}
+
 void registerSweeps(BenchResult* result) {
 #ifdef DYNWITNESS_HAS_MUJOCO
   add(result, {kRawMujoco, "MuJoCo " + versionOf("mujoco")}, mujocoRaw);
@@ -380,11 +392,7 @@ void registerSweeps(BenchResult* result) {
       [](benchmark::State& run, const std::string& scene, Formula f) {
         fast(run, scene, &kFastByOwn, f);
       });
-  add(result,
-      {"fast_lanes",
-       fmt::format("fast sweeps, {} states a vector, {}", recursive::fast::widestVectors(), own),
-       true},
-      fastMany);
+  add(result, {"fast_lanes", fastLanesLabel(), true}, fastMany);
 #ifdef DYNWITNESS_SECOND_COMPILER
   add(result, {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true},
       [](benchmark::State& run, const std::string& scene, Formula f) {

@@ -285,6 +285,24 @@ BOOST_AUTO_TEST_CASE(general_operations_grow_with_the_links_and_with_the_entries
              m96 = count(96, Formula::kMassMatrix), m128 = count(128, Formula::kMassMatrix);
   BOOST_TEST((m128 - m96) - (m96 - m64) == (m96 - m64) - (m64 - m32));
   BOOST_TEST(m64 > 2 * m32);
+  // of tau like M, n^2 entries of a chain; of qdd n^3, by a solution of so many columns
+  const auto of = [](int links, bool accelerations) {
+    return generalDerivativeOperations(scene::findScene("chain_" + std::to_string(links)).mechanism,
+                                       accelerations);
+  };
+  const long t16 = of(16, false), t32 = of(32, false), t48 = of(48, false), t64 = of(64, false);
+  BOOST_TEST((t64 - t48) - (t48 - t32) == (t48 - t32) - (t32 - t16));
+  // packs of columns come by twelve, so by three blocks, at a time
+  const long a24 = of(24, true), a48 = of(48, true), a72 = of(72, true), a96 = of(96, true),
+             a120 = of(120, true);
+  BOOST_TEST((a120 - 3 * a96 + 3 * a72 - a48) == (a96 - 3 * a72 + 3 * a48 - a24));
+  BOOST_TEST(of(8, true) > of(8, false));
+}
+
+// by hand, line by line in sine_cosine.inc: 16 of the reduction, z and z/2, 16 a polynomial, 6 of
+// the sine and 9 of the cosine beside
+BOOST_AUTO_TEST_CASE(a_sine_and_a_cosine_are_so_many_operations) {
+  BOOST_TEST(sineCosineOperations() == 14 + 2 + 2 * 16 + 6 + 9);
 }
 
 // Sums of six of eight values each, another eight every time: twice as many sums are twice the

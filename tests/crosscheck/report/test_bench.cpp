@@ -92,6 +92,71 @@ BOOST_AUTO_TEST_CASE(a_goal_is_reached_or_missed_by_so_much) {
   BOOST_TEST(judge(r, r.goals[4]).word() == "reached");
 }
 
+namespace {
+
+/// One core does 10 operations a ns, reads 4 bytes a ns far away and 40 nearby, and writes 8.
+BenchResult withMachine() {
+  BenchResult r = sample();
+  for (const Measurement& m : {Measurement{kOperation, kMachine, "unfused", "ns", 0.125},
+                               {kOperation, kMachine, "fused", "ns", 0.1},
+                               {kReading, kMachine, "16 KiB", "ns", 0.025},
+                               {kReading, kMachine, "1024 KiB", "ns", 0.25},
+                               {kWriting, kMachine, "16 KiB", "ns", 0.125},
+                               {kWriting, kMachine, "1024 KiB", "ns", 0.125},
+                               {"ID", "arm", "fast", kOperationsWithSines, 250},
+                               {"ID", "arm", "fast", kBytesRead, 80},
+                               {"ID", "arm", "fast", kBytesWritten, 80},
+                               {"ID", "arm", "fast", kBytesAtHand, 100 * 1024}})
+    r.measured.push_back(m);
+  return r;
+}
+void set(BenchResult* r, const char* unit, double value) {
+  for (Measurement& m : r->measured)
+    if (m.unit == unit) m.value = value;
+}
+
+}  // namespace
+
+// expected: by hand
+BOOST_AUTO_TEST_CASE(a_limit_is_what_takes_the_machine_longest) {
+  BenchResult r = withMachine();
+  const auto limit = [&] { return limitOf(r, "ID", "arm", "fast").value(); };
+  BOOST_TEST(limit().ns == 25);  // 250 operations, 80 bytes in 2 ns, 80 out in 10
+  BOOST_TEST(limit().of == "operations");
+  BOOST_TEST(limit().times == 5);  // 125 ns
+  set(&r, kBytesWritten, 320);
+  BOOST_TEST(limit().ns == 40);
+  BOOST_TEST(limit().of == "writing");
+  set(&r, kBytesRead, 400);
+  BOOST_TEST(limit().of == "writing");  // 10 ns of reading, as they are near
+  set(&r, kBytesAtHand, 1024 * 1024);
+  BOOST_TEST(limit().ns == 100);
+  BOOST_TEST(limit().of == "reading");
+  set(&r, kBytesAtHand, 1);  // less than the smallest array
+  BOOST_TEST(limit().of == "writing");
+  BOOST_TEST(!limitOf(r, "FD", "arm", "kernel"));  // nobody counted
+  BOOST_TEST(!limitOf(sample(), "ID", "arm", "fast"));
+}
+
+BOOST_FIXTURE_TEST_CASE(limits_are_told_in_all_tables_and_in_the_file, BenchFolder) {
+  const BenchResult r = withMachine();
+  for (const std::string& text : {benchText(r), benchSection(r, {})}) {
+    BOOST_TEST(contains(text, "25 ns operations"), text);
+    BOOST_TEST(contains(text,
+                        "one core: 8 GFLOP/s unfused, 10 GFLOP/s fused; reading 40 GB/s of "
+                        "16 KiB, 4 GB/s of 1024 KiB; writing 8 GB/s of 16 KiB"),
+               text);
+    BOOST_TEST(!contains(text, kOperationsWithSines));
+  }
+  const std::string text = benchJson(r);
+  const json said = json::parse(text)["goals"][0];
+  BOOST_TEST(said["limit_ns"] == 25);
+  BOOST_TEST(said["limit_of"] == "operations");
+  BOOST_TEST(said["times_limit"] == 5);
+  BOOST_TEST(!json::parse(text)["goals"][2].contains("limit_ns"));
+  BOOST_TEST(benchJson(readBench(file(text))) == text);
+}
+
 BOOST_AUTO_TEST_CASE(the_tables_say_which_are_missed_and_by_how_much) {
   for (const std::string& text : {benchText(sample()), benchSection(sample(), {})}) {
     BOOST_TEST(contains(text, "2 of 5 goals reached, 2 missed, 1 not measured"), text);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps at many states are the fast sweeps: the same bits as one state at a time,
-// whatever the width of the vectors, the layout of the arrays and the number of states. That those
-// are right is held by tests of the witness `fast`.
+// The fast sweeps at many states are the fast sweeps, and so are their derivatives: the same bits
+// as one state at a time, whatever the width of the vectors, the layout of the arrays and the
+// number of states. That those are right is held by tests of the witness `fast` and
+// test_fast_derivatives.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,14 +14,17 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/many_states.hpp"
 #include "recursive/build_model.hpp"
+#include "recursive/fast/derivatives.hpp"
 #include "recursive/fast/dynamics.hpp"
 #include "tests/fixtures/files.hpp"
 #include "tests/fixtures/scene_files.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::recursive;
+using fast::ManyDerivatives;
 using fast::ManyStates;
 using fast::Strided;
 
@@ -40,7 +45,10 @@ std::vector<int> widths() {
   return all;
 }
 
-/// States of one mechanism, one after the other, and what Dynamics says of each.
+/// Derivatives by q, by qd and by qdd or tau.
+using Three = std::array<std::vector<double>, 3>;
+
+/// States of one mechanism, one after the other, and what Dynamics and Derivatives say of each.
 struct Asked {
   Asked(const Model<double>& model, int states)
       : n(model.dof()), nq(model.positions), count(states) {
@@ -61,9 +69,20 @@ struct Asked {
       one.forwardDynamics(&q[s * nq], &qd[s * n], &given[s * n], &qdd[s * n]);
       one.massMatrix(&q[s * nq], &M[s * n * n]);
     }
+    fast::Derivatives derivatives(model);
+    of_tau.fill(M);
+    of_qdd.fill(M);
+    for (int s = 0; s < count; ++s) {
+      const auto at = [&](std::vector<double>& all) { return &all[s * n * n]; };
+      derivatives.inverseDynamics(&q[s * nq], &qd[s * n], &given[s * n], at(of_tau[0]),
+                                  at(of_tau[1]), at(of_tau[2]));
+      derivatives.forwardDynamics(&q[s * nq], &qd[s * n], &given[s * n], at(of_qdd[0]),
+                                  at(of_qdd[1]), at(of_qdd[2]));
+    }
   }
   int n, nq, count;
   std::vector<double> q, qd, given, tau, qdd, M;
+  Three of_tau, of_qdd;
 };
 
 /// Bytes of an array of `count` states of `width` numbers, laid out by columns: all states' first
@@ -101,6 +120,43 @@ void requireSameBits(ManyStates& many, const Asked& asked) {
   BOOST_TEST(sameBits(tau, asked.tau));
   BOOST_TEST(sameBits(qdd, asked.qdd));
   BOOST_TEST(sameBits(M, asked.M));
+
+  const std::vector<fast::MassMatrixEntry> entries = many.packedEntries();
+  const auto size = static_cast<int>(entries.size());
+  std::vector<double> packed(states * entries.size(), 1), expected;
+  many.packedMassMatrix(states, {asked.q.data(), nq}, {packed.data(), size});
+  for (std::size_t s = 0; s < states; ++s)
+    for (const fast::MassMatrixEntry& e : entries)
+      expected.push_back(asked.M[s * static_cast<std::size_t>(nn) +
+                                 static_cast<std::size_t>(e.row * n + e.column)]);
+  BOOST_TEST(sameBits(packed, expected));
+  // the others are zero
+  std::vector<double> rest = asked.M;
+  for (std::size_t s = 0; s < states; ++s)
+    for (const fast::MassMatrixEntry& e : entries)
+      for (const int place : {e.row * n + e.column, e.column * n + e.row})
+        rest[s * static_cast<std::size_t>(nn) + static_cast<std::size_t>(place)] = 0;
+  BOOST_TEST(std::all_of(rest.begin(), rest.end(), [](double x) { return x == 0; }));
+}
+
+void requireSameBits(ManyDerivatives& many, const Asked& asked) {
+  const int n = asked.n, nq = asked.nq, nn = n * n;
+  const auto states = static_cast<std::size_t>(asked.count);
+  Three of_tau, of_qdd;
+  for (Three* three : {&of_tau, &of_qdd})
+    for (std::vector<double>& matrices : *three) matrices.assign(asked.M.size(), 1);
+  const Strided<const double> q{asked.q.data(), nq}, qd{asked.qd.data(), n},
+      given{asked.given.data(), n};
+  many.inverseDynamics(states, q, qd, given, {of_tau[0].data(), nn}, {of_tau[1].data(), nn},
+                       {of_tau[2].data(), nn});
+  many.forwardDynamics(states, q, qd, given, {of_qdd[0].data(), nn}, {of_qdd[1].data(), nn},
+                       {of_qdd[2].data(), nn});
+  for (int k = 0; k < 3; ++k) {
+    BOOST_TEST_CONTEXT("derivative " << k) {
+      BOOST_TEST(sameBits(of_tau[k], asked.of_tau[k]));
+      BOOST_TEST(sameBits(of_qdd[k], asked.of_qdd[k]));
+    }
+  }
 }
 
 }  // namespace
@@ -118,6 +174,8 @@ BOOST_AUTO_TEST_CASE(every_scene_gets_the_bits_of_one_state_at_a_time) {
         BOOST_TEST_CONTEXT("width " << width) {
           ManyStates many(model, width);
           requireSameBits(many, all);
+          ManyDerivatives derivatives(model, width);
+          requireSameBits(derivatives, all);
         }
       }
       ++asked;
@@ -130,11 +188,13 @@ BOOST_AUTO_TEST_CASE(any_number_of_states_and_any_layout_are_answered_and_nothin
   const auto model = bundled("satellite_arm");
   for (const int width : widths()) {
     ManyStates many(model, width);
+    ManyDerivatives derivatives(model, width);
     for (const int count : {0, 1, 2, 3, 7, 8, 9, 16, 21}) {
       BOOST_TEST_CONTEXT("width " << width << ", states " << count) {
         Asked all(model, count);
         all.answer(model);
         requireSameBits(many, all);
+        requireSameBits(derivatives, all);
 
         const ByColumns q(all.q, count, all.nq), qd(all.qd, count, all.n),
             given(all.given, count, all.n);
@@ -143,6 +203,14 @@ BOOST_AUTO_TEST_CASE(any_number_of_states_and_any_layout_are_answered_and_nothin
         many.forwardDynamics(static_cast<std::size_t>(count), q.read(), qd.read(), given.read(),
                              out.write());
         BOOST_TEST(sameBits(out.numbers, expected.numbers));
+
+        const int nn = all.n * all.n;
+        ByColumns three[] = {{all.M, count, nn}, {all.M, count, nn}, {all.M, count, nn}};
+        derivatives.forwardDynamics(static_cast<std::size_t>(count), q.read(), qd.read(),
+                                    given.read(), three[0].write(), three[1].write(),
+                                    three[2].write());
+        for (int k = 0; k < 3; ++k)
+          BOOST_TEST(sameBits(three[k].numbers, ByColumns(all.of_qdd[k], count, nn).numbers));
       }
     }
   }
@@ -166,6 +234,8 @@ BOOST_AUTO_TEST_CASE(states_do_not_hear_of_each_other) {
       BOOST_TEST_CONTEXT(name << ", width " << width) {
         ManyStates many(model, width);
         requireSameBits(many, all);
+        ManyDerivatives derivatives(model, width);
+        requireSameBits(derivatives, all);
       }
     }
     BOOST_TEST(std::isnan(all.qdd[static_cast<std::size_t>(9 * all.n)]));

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "crosscheck/report/bench.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// Nanoseconds a byte, of as many bytes as a contender goes through: of the sizes that were
+/// measured the largest that is not larger, since a smaller array is never slower; else the
+/// smallest.
+std::optional<double> perByte(const BenchResult& result, const char* what, double bytes) {
+  const Measurement* best = nullptr;
+  const auto size = [](const Measurement& m) { return std::strtod(m.by.c_str(), nullptr) * 1024; };
+  for (const Measurement& m : result.measured) {
+    if (m.subject != kMachine || m.what != what || m.unit != "ns") continue;
+    const bool nearer = !best || (size(m) <= bytes ? size(*best) > bytes || size(m) > size(*best)
+                                                   : size(*best) > bytes && size(m) < size(*best));
+    if (nearer) best = &m;
+  }
+  return best ? std::optional<double>(best->value) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> BenchResult::perOperation() const {
+  std::optional<double> best;
+  for (const Measurement& m : measured)
+    if (m.subject == kMachine && m.what == kOperation && m.unit == "ns")
+      best = std::min(best.value_or(m.value), m.value);
+  return best;
+}
+
+std::optional<Limit> limitOf(const BenchResult& result, const std::string& what,
+                             const std::string& subject, const std::string& by) {
+  const auto ns = result.value(what, subject, by, "ns"),
+             operations = result.value(what, subject, by, kOperationsWithSines),
+             per_operation = result.perOperation();
+  if (!ns || !operations || !per_operation) return std::nullopt;
+  Limit limit{*operations * *per_operation, "operations"};
+  const double extent = result.value(what, subject, by, kBytesAtHand).value_or(0);
+  for (const auto& [unit, way] : {std::pair(kBytesRead, kReading), {kBytesWritten, kWriting}}) {
+    const auto bytes = result.value(what, subject, by, unit),
+               per_byte = perByte(result, way, extent);
+    if (!bytes || !per_byte) return std::nullopt;
+    if (*bytes * *per_byte > limit.ns) limit = {*bytes * *per_byte, way};
+  }
+  limit.times = *ns / limit.ns;
+  return limit;
+}
+
+std::string machineText(const BenchResult& result) {
+  std::string text;
+  for (const Measurement& m : result.measured)
+    if (m.subject == kMachine && m.what == kOperation)
+      text +=
+          fmt::format("{}{:.3g} GFLOP/s {}", text.empty() ? "one core: " : ", ", 1 / m.value, m.by);
+  for (const char* way : {kReading, kWriting}) {
+    std::string sizes;
+    for (const Measurement& m : result.measured)
+      if (m.subject == kMachine && m.what == way)
+        sizes += fmt::format("{}{:.3g} GB/s of {}", sizes.empty() ? "" : ", ", 1 / m.value, m.by);
+    if (!sizes.empty()) text += fmt::format("; {} {}", way, sizes);
+  }
+  return text;
+}
+
+}  // namespace dynwitness::crosscheck
