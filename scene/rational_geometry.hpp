@@ -80,8 +80,8 @@ inline bool isPositiveSemidefinite(const RationalMatrix& m) {
 }
 
 /** Some distribution of mass has this inertia about its centre: I >= 0 and J = tr(I)/2 1 - I >= 0.
-    J is the triangle inequality: its eigenvalues are half of two moments less the third. Both may be
-    multiplied by the same number above zero. */
+    J is the triangle inequality: its eigenvalues are half of two moments less the third. Both may
+    be multiplied by the same number above zero. */
 inline bool isRealizable(IntegerMatrix I, const Integer& allowance, bool* is_positive) {
   const Integer trace = I[0][0] + I[1][1] + I[2][2];
   IntegerMatrix J;  // twice as much

@@ -554,8 +554,8 @@ void Validator::requireCarriers() {
       Integer of_z = 1;
       for (const Rational& x : z) of_z = commonDenominator(of_z, x);
       const Integer n[] = {scaledBy(of_z, z[0]), scaledBy(of_z, z[1]), scaledBy(of_z, z[2])};
-      const Integer square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2], factor = bottom(half) * square,
-                    share = common * top(half);
+      const Integer square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2],
+                    factor = bottom(half) * square, share = common * top(half);
       for (std::size_t j = 0; j < 3; ++j)
         for (std::size_t k = 0; k < 3; ++k)
           left[j][k] = left[j][k] * factor - share * (n[j] * n[k] + (j == k ? square : Integer(0)));
