@@ -64,39 +64,41 @@ inline bool isPositiveSemidefinite(const IntegerMatrix& m) {
   };
   return m[0][0] * minor(1, 2) + m[0][1] * minor(2, 0) + m[0][2] * minor(0, 1) >= 0;
 }
+/// m times a common denominator, of which *common, which is made one, is a divisor before.
+inline IntegerMatrix inWholeNumbers(const RationalMatrix& m, Integer* common) {
+  for (const RationalVector& row : m)
+    for (const Rational& element : row) *common = commonDenominator(*common, element);
+  IntegerMatrix scaled;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) scaled[i][j] = scaledBy(*common, m[i][j]);
+  return scaled;
+}
 /// A common denominator changes no sign, and integers need no lowest terms.
 inline bool isPositiveSemidefinite(const RationalMatrix& m) {
   Integer common = 1;
-  for (const RationalVector& row : m)
-    for (const Rational& element : row) common = commonDenominator(common, element);
-  IntegerMatrix scaled;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) scaled[i][j] = scaledBy(common, m[i][j]);
-  return isPositiveSemidefinite(scaled);
+  return isPositiveSemidefinite(inWholeNumbers(m, &common));
 }
 
 /** Some distribution of mass has this inertia about its centre: I >= 0 and J = tr(I)/2 1 - I >= 0.
-    J is the triangle inequality: its eigenvalues are half of two moments less the third. */
-inline bool isRealizable(const RationalMatrix& inertia, const Rational& allowance,
-                         bool* is_positive) {
-  Integer common = commonDenominator(1, allowance);
-  for (const RationalVector& row : inertia)
-    for (const Rational& element : row) common = commonDenominator(common, element);
-  const Integer slack = scaledBy(common, allowance);
-  IntegerMatrix I, J;  // times the common denominator, J twice as much
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      I[i][j] = scaledBy(common, inertia[i][j]);
-      J[i][j] = -2 * I[i][j];
-    }
-  }
+    J is the triangle inequality: its eigenvalues are half of two moments less the third. Both may
+    be multiplied by the same number above zero. */
+inline bool isRealizable(IntegerMatrix I, const Integer& allowance, bool* is_positive) {
   const Integer trace = I[0][0] + I[1][1] + I[2][2];
+  IntegerMatrix J;  // twice as much
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) J[i][j] = -2 * I[i][j];
   for (std::size_t i = 0; i < 3; ++i) {
-    J[i][i] += trace + 2 * slack;
-    I[i][i] += slack;
+    J[i][i] += trace + 2 * allowance;
+    I[i][i] += allowance;
   }
   *is_positive = isPositiveSemidefinite(I);
   return *is_positive && isPositiveSemidefinite(J);
+}
+inline bool isRealizable(const RationalMatrix& inertia, const Rational& allowance,
+                         bool* is_positive) {
+  Integer common = commonDenominator(1, allowance);
+  const IntegerMatrix I = inWholeNumbers(inertia, &common);
+  return isRealizable(I, scaledBy(common, allowance), is_positive);
 }
 
 }  // namespace dynwitness::scene

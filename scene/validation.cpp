@@ -168,6 +168,8 @@ class Validator {
     return f;
   }
   Frame frame(const std::vector<Step>& steps);
+  RationalMatrix turn(const Step& step);
+  RationalVector turned(const std::vector<Step>& steps, RationalVector v);  ///< frame(steps).R v
   RationalMatrix turnOf(const Vector& rpy);
   Body body(const Link& link);
   const Body& inLinkAxes(std::size_t i);
@@ -279,23 +281,28 @@ Frame Validator::frame(const std::vector<Step>& steps) {
       result = result * Frame{identity(), vector(step.translation)};
       continue;
     }
-    const auto [s, c, is_exact] = sineAndCosine(exactValue(step.angle, values_, file_));
-    is_exact_ = is_exact_ && is_exact;
-    RationalMatrix R;
-    switch (step.kind) {
-      case Step::Kind::kRotateX:
-        R = {{{1, 0, 0}, {0, c, -s}, {0, s, c}}};
-        break;
-      case Step::Kind::kRotateY:
-        R = {{{c, 0, s}, {0, 1, 0}, {-s, 0, c}}};
-        break;
-      default:
-        R = {{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
-        break;
-    }
-    result = result * Frame{R, {0, 0, 0}};
+    result = result * Frame{turn(step), {0, 0, 0}};
   }
   return result;
+}
+
+RationalMatrix Validator::turn(const Step& step) {
+  const auto [s, c, is_exact] = sineAndCosine(exactValue(step.angle, values_, file_));
+  is_exact_ = is_exact_ && is_exact;
+  switch (step.kind) {
+    case Step::Kind::kRotateX:
+      return {{{1, 0, 0}, {0, c, -s}, {0, s, c}}};
+    case Step::Kind::kRotateY:
+      return {{{c, 0, s}, {0, 1, 0}, {-s, 0, c}}};
+    default:
+      return {{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
+  }
+}
+
+RationalVector Validator::turned(const std::vector<Step>& steps, RationalVector v) {
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step)
+    if (step->kind != Step::Kind::kTranslate) v = turn(*step) * v;
+  return v;
 }
 
 RationalMatrix Validator::turnOf(const Vector& rpy) {
@@ -530,28 +537,35 @@ void Validator::requireCarriers() {
       if (rotor.axis) carriers[link.parent].push_back({&link, &*rotor.axis, &rotor.inertia});
   }
   for (const auto& [i, rotors] : carriers) {
-    RationalMatrix left = inLinkAxes(static_cast<std::size_t>(i)).inertia;
-    Rational size = left[0][0] + left[1][1] + left[2][2];
+    const RationalMatrix& whole = inLinkAxes(static_cast<std::size_t>(i)).inertia;
+    Rational size = whole[0][0] + whole[1][1] + whole[2][2];
     is_exact_ = bodies_[i].is_exact;
+    // what is left beside the rotors, times `common`: whole numbers need no lowest terms
+    Integer common = 1;
+    IntegerMatrix left = inWholeNumbers(whole, &common);
     std::string joints;
     for (const Spinning& rotor : rotors) {
       const Joint& joint = rotor.driven->joint;
       joints += (joints.empty() ? "" : ", ") + ('"' + joint.name + '"');
-      const RationalVector z = frame(joint.placement.beforeJoint()).R * vector(*rotor.axis);
+      const RationalVector z = turned(joint.placement.beforeJoint(), vector(*rotor.axis));
       const Rational half = value(*rotor.inertia) / 2;
-      const Rational per_square = half / dot(z, z);
-      for (std::size_t j = 0; j < 3; ++j) {
-        left[j][j] -= half;
-        for (std::size_t k = 0; k <= j; ++k) {
-          const Rational share = per_square * (z[j] * z[k]);
-          left[j][k] -= share;
-          if (j != k) left[k][j] -= share;
-        }
-      }
       size += half;
+      // half (1 + z z' / z'z), whatever the length of z
+      Integer of_z = 1;
+      for (const Rational& x : z) of_z = commonDenominator(of_z, x);
+      const Integer n[] = {scaledBy(of_z, z[0]), scaledBy(of_z, z[1]), scaledBy(of_z, z[2])};
+      const Integer square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2],
+                    factor = bottom(half) * square, share = common * top(half);
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k)
+          left[j][k] = left[j][k] * factor - share * (n[j] * n[k] + (j == k ? square : Integer(0)));
+      common *= factor;
     }
     bool is_positive = false;
-    if (isRealizable(left, slack(size), &is_positive)) continue;
+    const Rational allowance = slack(size);
+    for (auto& row : left)
+      for (Integer& element : row) element *= bottom(allowance);
+    if (isRealizable(left, Integer(top(allowance) * common), &is_positive)) continue;
     failLink(
         mechanism_.links[i],
         "carries the gyroscopic rotor of joint " + joints +

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -161,51 +162,54 @@ class Drawing {
   scene::MassProperties body(bool may_be_a_rod = true) {
     const bool general = chance(85) || !may_be_a_rod;
     const int count = general ? 4 + below(2) : 2 + below(2);
-    Rational mass = 1;
-    std::array<Rational, 3> last{0, 0, 0}, com;
-    std::vector<std::pair<Rational, std::array<Rational, 3>>> points;  // from the centre of mass
+    // in whole numbers: tenths of a kilogram, thousandths of a metre
+    using Whole = std::int64_t;
+    Whole mass = 10;
+    std::array<Whole, 3> last{0, 0, 0}, com;
+    std::vector<std::pair<Whole, std::array<Whole, 3>>> points;  // from the centre of mass
     for (int i = 1; i < count; ++i) {
-      const Rational m(1 + below(20), 10);
-      std::array<Rational, 3> r;
+      const Whole m = 1 + below(20);
+      std::array<Whole, 3> r;
       for (int k = 0; k < 3; ++k) {
-        r[k] = Rational(below(61) - 30, 100);
-        last[k] -= m * r[k];
+        r[k] = 10 * (below(61) - 30);
+        last[k] -= m * r[k] / 10;
       }
       mass += m;
       points.emplace_back(m, r);
     }
-    points.emplace_back(1, last);
-    for (Rational& x : com) x = Rational(below(61) - 30, 100);
+    points.emplace_back(10, last);
+    for (Whole& x : com) x = 10 * (below(61) - 30);
 
     scene::MassProperties out;
-    out.mass = mass;
-    out.com = {Number(com[0]), Number(com[1]), Number(com[2])};
+    out.mass = Rational(mass, 10);
+    for (std::size_t k = 0; k < 3; ++k) out.com[k] = Rational(com[k], 1000);
     const bool at_origin = chance(30);
     if (at_origin)
       out.about = scene::MassProperties::About::kLinkOrigin;
     else if (chance(30))
       out.rpy = {angle(), angle(), angle()};
-    Rational I[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    Whole I[3][3] = {};  // 1e-7 kg m^2
     for (auto [m, r] : points) {
       if (at_origin)
         for (int k = 0; k < 3; ++k) r[k] += com[k];
-      const Rational r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+      const Whole r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) I[i][j] += m * ((i == j ? r2 : Rational(0)) - r[i] * r[j]);
+        for (int j = 0; j < 3; ++j) I[i][j] += m * ((i == j ? r2 : 0) - r[i] * r[j]);
     }
-    out.xx = I[0][0];
-    out.yy = I[1][1];
-    out.zz = I[2][2];
-    out.xy = I[0][1];
-    out.xz = I[0][2];
-    out.yz = I[1][2];
+    const auto inertia = [](Whole value) { return Number(Rational(value, 10000000)); };
+    out.xx = inertia(I[0][0]);
+    out.yy = inertia(I[1][1]);
+    out.zz = inertia(I[2][2]);
+    out.xy = inertia(I[0][1]);
+    out.xz = inertia(I[0][2]);
+    out.yz = inertia(I[1][2]);
     // the same inertia in axes a quarter turn on, from a stream of its own: the rest stays
     if (at_origin && turns_.next() % 100 < 50) {
       out.rpy[2] = Number::parse("pi/2");
       std::swap(out.xx, out.yy);
-      out.xy = Rational(-I[0][1]);
-      out.xz = I[1][2];
-      out.yz = Rational(-I[0][2]);
+      out.xy = inertia(-I[0][1]);
+      out.xz = inertia(I[1][2]);
+      out.yz = inertia(-I[0][2]);
     }
     return out;
   }

@@ -97,15 +97,14 @@ int signOf(const scene::Rational& x) {
   return scene::isNegative(x) ? -1 : 1;
 }
 
-/** The turns of a rational axis. Parallel axes share their points, whatever their lengths and signs;
-    where components are zero the turns are quarter turns.
+/** The turns of a rational axis. Parallel axes share their points, whatever their lengths and
+    signs; where components are zero the turns are quarter turns.
     @throws std::invalid_argument  the zero vector */
 AxisInWords inWords(const scene::Rational& x, const scene::Rational& y, const scene::Rational& z) {
   AxisInWords turn;
   TurnInWords &alpha = turn.alpha, &beta = turn.beta;
   if (scene::isZero(x) && scene::isZero(y)) {
-    if (scene::isZero(z))
-      throw std::invalid_argument("axisTurn: axis: expected a non-zero vector");
+    if (scene::isZero(z)) throw std::invalid_argument("axisTurn: axis: expected a non-zero vector");
     beta.c = signOf(z);
     return turn;
   }
@@ -199,7 +198,8 @@ scene::AxisTurn<PrimeField> FieldNumbers::axisTurn(const scene::Vector& axis) co
   std::array<bool, 3> is_zero;
   for (int i = 0; i < 3; ++i) {
     v[i] = exactly(axis[i]);
-    is_zero[i] = isKnown(axis[i]) && scene::isZero(v[i].pi_multiple) && scene::isZero(v[i].rational);
+    is_zero[i] =
+        isKnown(axis[i]) && scene::isZero(v[i].pi_multiple) && scene::isZero(v[i].rational);
   }
   const auto sign = [&](int i) { return PrimeField(scene::isNegative(v[i]) ? -1 : 1); };
   // where components are zero the turns are quarter turns, whatever the others are
