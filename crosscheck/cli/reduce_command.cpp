@@ -71,6 +71,10 @@ int run(Arguments arguments) {
   requireMotion(scene);
   std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
   tellNominalParameters(arguments.scene, scene);
+  const std::string uncertain =
+      arguments.toml.empty()
+          ? ""
+          : scene::writeUncertainParameters(uncertainParametersOf(arguments.scene, scene));
   tellHeldJoints(scene::fixHeldJoints(&scene, &ranges), scene);
   Reduction reduction;
   {
@@ -85,7 +89,7 @@ int run(Arguments arguments) {
     writeWholeFile(arguments.c, reductionC(scene, reduction.models.front(), reduction.of));
   if (!arguments.toml.empty())
     writeWholeFile(arguments.toml, scene::writeSceneToml(reduction.scenes.front().scene) +
-                                       scene::writeEnvelope(scene, ranges));
+                                       scene::writeEnvelope(scene, ranges) + uncertain);
   if (is_front) {
     const std::string stem = safeName(scene.name) + "_front";
     writeCharts({{stem, frontCsv(scene, reduction)}},

@@ -33,17 +33,4 @@ std::unique_ptr<BoundedQuantity> boundedAcceleration(const TrigonometricModel& m
                                                      const std::vector<scene::JointRanges>& ranges,
                                                      const EnvelopeQuantity& quantity);
 
-/** A bound of |e_i|, e = qdd_reduced - qdd at the same q, qd and tau, over a box of q, qd and qdd.
-
-        tau = M qdd + h = M_r (qdd + e) + h_r,   so   M_r e = (M - M_r) qdd + h - h_r           (4)
-
-    and what is said above holds of it with M_r for M, and the columns of M - M_r, which qdd
-    multiplies, for those of tau. Friction, springs and loads are those of both models.
-    @param reduced     the model whose M is M_r
-    @param difference  the scene's M and gravity less its; no loads
-    @param ranges      of qdd: where the scene's accelerations are (boundedAcceleration) */
-std::unique_ptr<BoundedQuantity> boundedAccelerationError(
-    const TrigonometricModel& reduced, const TrigonometricModel& difference,
-    const std::vector<scene::JointRanges>& ranges, const EnvelopeQuantity& quantity);
-
 }  // namespace dynwitness::crosscheck
