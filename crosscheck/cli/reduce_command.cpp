@@ -141,7 +141,7 @@ Run addReduce(CLI::App* command) {
       "  dynwitness reduce puma_560 --tolerance 1% --c reduced.c --toml reduced.toml\n"
       "  dynwitness reduce puma_560 --front front\n"
       "  dynwitness reduce scara --armstrong 0.01\n"
-      "  dynwitness reduce puma_560 --of qdd --tolerance 50% --toml reduced.toml\n"
+      "  dynwitness reduce puma_560 --of qdd --tolerance 5% --toml reduced.toml\n"
       "'certified' is a proven bound of the error everywhere in the envelope, in % of\n"
       "that joint's largest force; 'seen' is what sweep and program differ by at the\n"
       "worst state found. Left out: what friction and springs take, which stay.\n"

@@ -41,14 +41,20 @@ PolynomialTable::PolynomialTable(const TrigonometricModel& model,
   coefficients_.resize(static_cast<Index>(all.size()), static_cast<Index>(digits_.size()));
   lost_.setZero(coefficients_.rows(), columns());
   std::vector<Eigen::Triplet<double>> entries;
+  std::map<Monomial, Eigen::RowVectorXd> most;  // of each monomial, by column
   for (std::size_t f = 0; f < all.size(); ++f)
     for (const auto& [m, c] : all[f]) {
       const auto row = static_cast<Index>(f);
       if (counts(c))
         entries.emplace_back(static_cast<int>(row), static_cast<int>(column.at(m)), c.value());
       const double unknown = c.bound() + (counts(c) ? kLost : 1) * std::abs(c.value());
-      const std::vector<int> digits = digitsOf(m);
-      for (Index o = 0; o < columns(); ++o) lost_(row, o) += unknown * factor(digits, orders(o, -1));
+      Eigen::RowVectorXd& factors = most[m];
+      if (factors.size() == 0) {
+        factors.resize(columns());
+        const std::vector<int> digits = digitsOf(m);
+        for (Index o = 0; o < columns(); ++o) factors(o) = factor(digits, orders(o, -1));
+      }
+      lost_.row(row) += unknown * factors;
     }
   coefficients_.setFromTriplets(entries.begin(), entries.end());
   bound();
