@@ -25,7 +25,8 @@ namespace dynwitness::crosscheck {
     and a rest R, of second order in w. s' M^-1 s is convex in s and M together, and -mu M <= M' <=
     mu M is linear, so that means are no worse than the worst corner; and |R| <= rho M, rho =
     sum |R_jk| sqrt((M^-1)_jj (M^-1)_kk) < 1, takes M to no less than (1 - rho) times the mean (3).
-    Where rho is 1 or more a box has no bound and is halved. Roundings are counted as everywhere
+    Where rho is 1 or more a box has no bound and is halved. What a few boxes say of all joints is
+    then sharpened entry by entry (AccelerationErrors). Roundings are counted as everywhere
     here; M is factored in RunningError.
     @param ranges  each with tau; they and the model must outlive what is returned, whose bounds are
       infinite where the budget ended before (3) */

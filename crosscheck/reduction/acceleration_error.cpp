@@ -23,7 +23,7 @@ using scene::JointRanges;
 using scene::Range;
 using Kind = EnvelopeQuantity::Kind;
 
-constexpr std::size_t kMostCorners = 4000;  ///< remembered at a time: 100 MB for six joints
+constexpr std::size_t kMostCorners = 4000;  ///< remembered at a time: 130 MB for six joints
 
 /// What is known at one corner in q.
 struct Corner {
@@ -36,11 +36,13 @@ struct Corner {
 
 class AccelerationErrors::Search {
  public:
-  Search(const TrigonometricModel& full, const TrigonometricModel& reduced,
+  /// @param reduced  null: (3)
+  Search(const TrigonometricModel& full, const TrigonometricModel* reduced,
          const std::vector<JointRanges>& ranges, const std::vector<double>& accelerations)
       : full_(full),
-        reduced_(reduced),
-        off_(difference(reduced, full)),
+        is_of_two_(reduced != nullptr),
+        reduced_(reduced ? *reduced : without(full)),
+        off_(reduced ? difference(*reduced, full) : without(full)),
         ranges_(ranges),
         accelerations_(Eigen::Map<const VectorXd>(accelerations.data(),
                                                   static_cast<Index>(accelerations.size()))),
@@ -65,7 +67,7 @@ class AccelerationErrors::Search {
   EnvelopeBound over(int i, const std::vector<double>& within, const EnvelopeOptions& options,
                      double decide) {
     i_ = i;
-    weights_.resize(1 + 2 * n_);
+    weights_.resize(1 + 2 * n_);  // of (3) the second rows are 0
     weights_ << 1, Eigen::Map<const VectorXd>(within.data(), n_), accelerations_;
     seen_ = lost_most_ = 0;
     worst_ = {};
@@ -93,6 +95,13 @@ class AccelerationErrors::Search {
   const JointRanges& at(Index k) const { return ranges_[static_cast<std::size_t>(k)]; }
   const RunningError& of(const std::vector<RunningError>& v, Index k) const {
     return v[static_cast<std::size_t>(k)];
+  }
+
+  /// Neither M nor g.
+  static TrigonometricModel without(TrigonometricModel model) {
+    for (std::vector<Polynomial>& row : model.M) row.assign(row.size(), {});
+    model.gravity.assign(model.gravity.size(), {});
+    return model;
   }
 
   /// M_r, D and M, column by column; then of each source d and h.
@@ -176,16 +185,22 @@ class AccelerationErrors::Search {
     const auto matrix = [&](Index b) {
       return Eigen::Map<const MatrixXd>(out->values.data() + b * n_ * n_, n_, n_);
     };
-    const Eigen::LLT<MatrixXd> reduced(matrix(0)), full(matrix(2));
-    if (reduced.info() != Eigen::Success || full.info() != Eigen::Success) return out;
-    const MatrixXd unit = MatrixXd::Identity(n_, n_), l = reduced.solve(unit),
-                   k = -full.solve(matrix(1) * l);
-    if (!l.allFinite() || !k.allFinite()) return out;
+    const Eigen::LLT<MatrixXd> full(matrix(2));
+    const MatrixXd unit = MatrixXd::Identity(n_, n_);
+    MatrixXd l = MatrixXd::Zero(n_, n_), to = -unit;  // D l
+    if (is_of_two_) {
+      const Eigen::LLT<MatrixXd> reduced(matrix(0));
+      if (reduced.info() != Eigen::Success) return out;
+      l = reduced.solve(unit);
+      to = matrix(1) * l;
+    }
+    const MatrixXd k = -full.solve(to);
+    if (full.info() != Eigen::Success || !l.allFinite() || !k.allFinite()) return out;
     out->vectors.resize(2 * n_, n_);
     out->vectors << l, k;
-    out->residual.resize(1 + 2 * n_, n_);
-    out->residual << VectorXd::Zero(n_).transpose(), (unit - matrix(0) * l).cwiseAbs(),
-        (matrix(1) * l + matrix(2) * k).cwiseAbs();
+    out->residual.setZero(1 + 2 * n_, n_);
+    if (is_of_two_) out->residual.middleRows(1, n_) = (unit - matrix(0) * l).cwiseAbs();
+    out->residual.bottomRows(n_) = (to + matrix(2) * k).cwiseAbs();
     return out;
   }
 
@@ -390,8 +405,9 @@ class AccelerationErrors::Search {
     box->split = adds.maxCoeff(&most) > 0 ? static_cast<int>(most) : -1;
   }
 
-  const TrigonometricModel &full_, &reduced_;
-  const TrigonometricModel off_;
+  const TrigonometricModel& full_;
+  bool is_of_two_;
+  const TrigonometricModel reduced_, off_;
   const std::vector<JointRanges>& ranges_;
   VectorXd accelerations_;
   Index n_;
@@ -413,7 +429,11 @@ AccelerationErrors::AccelerationErrors(const TrigonometricModel& full,
                                        const TrigonometricModel& reduced,
                                        const std::vector<JointRanges>& ranges,
                                        const std::vector<double>& accelerations)
-    : search_(std::make_unique<Search>(full, reduced, ranges, accelerations)) {}
+    : search_(std::make_unique<Search>(full, &reduced, ranges, accelerations)) {}
+AccelerationErrors::AccelerationErrors(const TrigonometricModel& model,
+                                       const std::vector<JointRanges>& ranges,
+                                       const std::vector<double>& accelerations)
+    : search_(std::make_unique<Search>(model, nullptr, ranges, accelerations)) {}
 AccelerationErrors::~AccelerationErrors() = default;
 
 EnvelopeBound AccelerationErrors::of(int i, const std::vector<double>& within,

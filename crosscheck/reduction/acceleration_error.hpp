@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guaranteed bounds of how far the joint accelerations of two models lie apart.
+// Guaranteed bounds of how far the joint accelerations of two models lie apart, and of one's.
 #pragma once
 
 #include <memory>
@@ -32,6 +32,12 @@ namespace dynwitness::crosscheck {
     For let E be the largest |e_i(q, qd, tau)| / |e_i| asked for, at some q; (2) there says
     E <= C + E P with C + P <= 1, P < 1 the share that e has in it. Where P < 1 for all i, M_r has
     an inverse: 1 - (u_i - M_r l)_i is dominant in its diagonal.
+
+    Of one model |qdd_i| is bounded in the same way, by
+
+        qdd_i = k's + (u_i - M k)'qdd                                                        (3)
+
+    with what is already known of qdd.
     @throws scene::InputError  more monomials than the table takes */
 class AccelerationErrors {
  public:
@@ -40,10 +46,14 @@ class AccelerationErrors {
   AccelerationErrors(const TrigonometricModel& full, const TrigonometricModel& reduced,
                      const std::vector<scene::JointRanges>& ranges,
                      const std::vector<double>& accelerations);
+  /// Of one model: of() bounds |qdd_i| by (3).
+  AccelerationErrors(const TrigonometricModel& model,
+                     const std::vector<scene::JointRanges>& ranges,
+                     const std::vector<double>& accelerations);
   ~AccelerationErrors();
 
-  /** By (2), `sampled` is what was seen at a corner less its roundings.
-      @param within  |e_j| that are asked for, or known
+  /** By (2) or (3), `sampled` is what was seen at a corner less its roundings.
+      @param within  |e_j| that are asked for, or known; of (3) no matter
       @param decide  as boundOfParts() */
   EnvelopeBound of(int i, const std::vector<double>& within, const EnvelopeOptions& options,
                    double decide);
