@@ -71,6 +71,10 @@ int run(Arguments arguments) {
   requireMotion(scene);
   std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
   tellNominalParameters(arguments.scene, scene);
+  const std::string uncertain =
+      arguments.toml.empty()
+          ? ""
+          : scene::writeUncertainParameters(uncertainParametersOf(arguments.scene, scene));
   tellHeldJoints(scene::fixHeldJoints(&scene, &ranges), scene);
   Reduction reduction;
   {
@@ -85,7 +89,7 @@ int run(Arguments arguments) {
     writeWholeFile(arguments.c, reductionC(scene, reduction.models.front(), reduction.of));
   if (!arguments.toml.empty())
     writeWholeFile(arguments.toml, scene::writeSceneToml(reduction.scenes.front().scene) +
-                                       scene::writeEnvelope(scene, ranges));
+                                       scene::writeEnvelope(scene, ranges) + uncertain);
   if (is_front) {
     const std::string stem = safeName(scene.name) + "_front";
     writeCharts({{stem, frontCsv(scene, reduction)}},
@@ -137,7 +141,7 @@ Run addReduce(CLI::App* command) {
       "  dynwitness reduce puma_560 --tolerance 1% --c reduced.c --toml reduced.toml\n"
       "  dynwitness reduce puma_560 --front front\n"
       "  dynwitness reduce scara --armstrong 0.01\n"
-      "  dynwitness reduce puma_560 --of qdd --tolerance 50% --toml reduced.toml\n"
+      "  dynwitness reduce puma_560 --of qdd --tolerance 5% --toml reduced.toml\n"
       "'certified' is a proven bound of the error everywhere in the envelope, in % of\n"
       "that joint's largest force; 'seen' is what sweep and program differ by at the\n"
       "worst state found. Left out: what friction and springs take, which stay.\n"

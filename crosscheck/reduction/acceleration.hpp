@@ -25,25 +25,13 @@ namespace dynwitness::crosscheck {
     and a rest R, of second order in w. s' M^-1 s is convex in s and M together, and -mu M <= M' <=
     mu M is linear, so that means are no worse than the worst corner; and |R| <= rho M, rho =
     sum |R_jk| sqrt((M^-1)_jj (M^-1)_kk) < 1, takes M to no less than (1 - rho) times the mean (3).
-    Where rho is 1 or more a box has no bound and is halved. Roundings are counted as everywhere
+    Where rho is 1 or more a box has no bound and is halved. What a few boxes say of all joints is
+    then sharpened entry by entry (AccelerationErrors). Roundings are counted as everywhere
     here; M is factored in RunningError.
     @param ranges  each with tau; they and the model must outlive what is returned, whose bounds are
       infinite where the budget ended before (3) */
 std::unique_ptr<BoundedQuantity> boundedAcceleration(const TrigonometricModel& model,
                                                      const std::vector<scene::JointRanges>& ranges,
                                                      const EnvelopeQuantity& quantity);
-
-/** A bound of |e_i|, e = qdd_reduced - qdd at the same q, qd and tau, over a box of q, qd and qdd.
-
-        tau = M qdd + h = M_r (qdd + e) + h_r,   so   M_r e = (M - M_r) qdd + h - h_r           (4)
-
-    and what is said above holds of it with M_r for M, and the columns of M - M_r, which qdd
-    multiplies, for those of tau. Friction, springs and loads are those of both models.
-    @param reduced     the model whose M is M_r
-    @param difference  the scene's M and gravity less its; no loads
-    @param ranges      of qdd: where the scene's accelerations are (boundedAcceleration) */
-std::unique_ptr<BoundedQuantity> boundedAccelerationError(
-    const TrigonometricModel& reduced, const TrigonometricModel& difference,
-    const std::vector<scene::JointRanges>& ranges, const EnvelopeQuantity& quantity);
 
 }  // namespace dynwitness::crosscheck

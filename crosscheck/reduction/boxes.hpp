@@ -2,6 +2,7 @@
 // Boxes in q and qd that are halved until what is asked about them is known.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -17,6 +18,11 @@ namespace dynwitness::crosscheck {
 /// roundings of u = 2^-53: what is lost is below kLost of the sum of the magnitudes.
 inline constexpr std::size_t kMostMonomials = std::size_t{1} << 16;
 inline constexpr double kLost = RunningError::kUnitRoundoff * kMostMonomials * 64;
+
+/// No less than the magnitude of what the number stands for.
+inline double most(const RunningError& x) {
+  return (std::abs(x.value()) + x.bound()) * (1 + kLost);
+}
 
 struct Box {
   std::vector<scene::Range> q, qd;  ///< of those joints and rates that what is bounded depends on

@@ -9,6 +9,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/reduction/boxes.hpp"
 #include "crosscheck/reduction/envelope_sampler.hpp"
 #include "scene/work.hpp"
 
@@ -31,11 +32,6 @@ constexpr double kLibrary = 2 * RunningError::kUnitRoundoff;
 
 double lastPlace(int fraction) {
   return std::ldexp(1.0, -fraction);
-}
-
-/// No less than the magnitude of what the ball holds.
-double most(const RunningError& x) {
-  return (std::abs(x.value()) + x.bound()) * (1 + 2 * RunningError::kUnitRoundoff);
 }
 
 /// Bits before the point of numbers of this magnitude.

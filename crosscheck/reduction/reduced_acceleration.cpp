@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/kernel/roads.hpp"
-#include "crosscheck/reduction/acceleration.hpp"
+#include "crosscheck/reduction/acceleration_error.hpp"
 #include "crosscheck/reduction/parameter_sequence.hpp"
 #include "scene/work.hpp"
 
@@ -55,7 +56,7 @@ class AccelerationReducer {
       const scene::Work work("order", 1, kOrder);
       bases_ = parameterSequence(scene_, samples, largest_, options_.allowed.back());
     }
-    findScenes();
+    findScenes(samples);
     scene::Work work("errors", static_cast<double>(found_.size()), kErrors);
     for (std::size_t t = 0; t < found_.size(); ++t, work.done()) {
       stage_(fmt::format("error at {:.3g} %", 100 * options_.allowed[t]));
@@ -80,7 +81,6 @@ class AccelerationReducer {
     options.boxes = std::min(options_.boxes, kBoxes);
     options.quantities = {"qdd"};
     const scene::Work work("accelerations", 1, kLargest);
-    within_ = ranges_;
     for (const EnvelopeBound& qdd : envelopeBounds(scene_, ranges_, options, stage_)) {
       if (!std::isfinite(qdd.certified))
         throw scene::InputError(
@@ -88,8 +88,7 @@ class AccelerationReducer {
             fmt::format("reduce --of qdd: no bound of {} was found in {} boxes, "
                         "allowed: an [envelope] with smaller ranges of q",
                         qdd.quantity.name(), options.boxes));
-      const auto i = static_cast<std::size_t>(qdd.quantity.i);
-      within_[i].qdd = {-qdd.certified, qdd.certified};
+      accelerations_.push_back(qdd.certified);
       largest_.push_back(qdd.sampled);
       for (const double allowed : options_.allowed)
         if (allowed > 0 && allowed * qdd.sampled <= 2 * qdd.lost)
@@ -102,7 +101,7 @@ class AccelerationReducer {
   }
 
   /// The last scene of the sequence that is near enough, by what is allowed.
-  void findScenes() {
+  void findScenes(const ReductionSamples& samples) {
     found_.assign(options_.allowed.size(), {0, full_program_, {}});
     scene::Work work("scenes", static_cast<double>(bases_.size()), kScenes);
     std::vector<bool> has(found_.size(), false);
@@ -118,9 +117,10 @@ class AccelerationReducer {
       if (!program) continue;
       stage_(fmt::format("{} parameters dropped", bases_[b].dropped.size()));
       const TrigonometricModel reduced = trigonometricModel(bases_[b].scene);
-      const TrigonometricModel off = difference(full_, reduced);
+      AccelerationErrors errors(full_, reduced, ranges_, accelerations_);
+      const std::vector<std::size_t> order = worstFirst(samples.worst(bases_[b].scene.mechanism));
       for (auto t = asked.rbegin(); t != asked.rend(); ++t) {  // the most that is allowed first
-        const std::vector<double> bounds = boundsWithin(reduced, off, options_.allowed[*t]);
+        const std::vector<double> bounds = boundsWithin(order, options_.allowed[*t], &errors);
         if (bounds.empty()) break;
         has[*t] = true;
         found_[*t] = {b, *program, bounds};
@@ -140,22 +140,26 @@ class AccelerationReducer {
     return std::nullopt;
   }
 
-  EnvelopeBound errorOf(const TrigonometricModel& reduced, const TrigonometricModel& off,
-                        std::size_t i, int boxes, double decide) const {
-    EnvelopeOptions options;
-    options.boxes = boxes;
-    return boundedAccelerationError(reduced, off, within_, {Kind::kQdd, static_cast<int>(i), 0})
-        ->over(within_, options, decide);
+  /// Joints, that of the largest sampled error first: it is the one to say no.
+  std::vector<std::size_t> worstFirst(const std::vector<ReductionSamples::Worst>& sampled) const {
+    std::vector<std::size_t> order(sampled.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return sampled[a].error * largest_[b] > sampled[b].error * largest_[a];
+    });
+    return order;
   }
 
   /// By joint, none of them above what is allowed; none: that is not known.
-  std::vector<double> boundsWithin(const TrigonometricModel& reduced, const TrigonometricModel& off,
-                                   double allowed) const {
-    std::vector<double> bounds;
-    for (std::size_t i = 0; i < largest_.size(); ++i) {
-      const double limit = allowed * largest_[i];
-      bounds.push_back(errorOf(reduced, off, i, kBoxes, limit).certified);
-      if (!(bounds.back() <= limit)) return {};
+  std::vector<double> boundsWithin(const std::vector<std::size_t>& order, double allowed,
+                                   AccelerationErrors* errors) const {
+    std::vector<double> limits, bounds(largest_.size());
+    for (const double largest : largest_) limits.push_back(allowed * largest);
+    EnvelopeOptions options;
+    options.boxes = kBoxes;
+    for (const std::size_t i : order) {
+      bounds[i] = errors->of(static_cast<int>(i), limits, options, limits[i]).certified;
+      if (!(bounds[i] <= limits[i])) return {};
     }
     return bounds;
   }
@@ -171,28 +175,18 @@ class AccelerationReducer {
       return out;
     }
     const TrigonometricModel reduced = trigonometricModel(base.scene);
-    const TrigonometricModel off = difference(full_, reduced);
+    AccelerationErrors errors(full_, reduced, ranges_, accelerations_);
+    EnvelopeOptions options;
+    options.boxes = std::min(options_.boxes, kBoxes);
     const std::vector<ReductionSamples::Worst> sampled = samples.worst(base.scene.mechanism);
     for (std::size_t i = 0; i < largest_.size(); ++i) {
-      const EnvelopeBound error = errorOf(reduced, off, i, std::min(options_.boxes, kBoxes), -1);
+      const EnvelopeBound error = errors.of(static_cast<int>(i), found.bounds, options, -1);
       ReducedForce force{largest_[i], std::min(error.certified, found.bounds[i]), 0, {}};
-      for (const EnvelopeState& state : {drivenTo(error.worst), sampled[i].state})
+      for (const EnvelopeState& state : {error.worst, sampled[i].state})
         see(base.scene, i, state, &force);
       out.forces.push_back(force);
     }
     return out;
-  }
-
-  /// A state of the envelope near one that has accelerations: with the forces that these take, as
-  /// far as the envelope has them.
-  EnvelopeState drivenTo(EnvelopeState state) const {
-    if (state.q.empty()) return state;
-    for (std::size_t k = 0; k < ranges_.size(); ++k) {
-      const double tau = sweptQuantity(scene_, {Kind::kTau, static_cast<int>(k), 0}, state).value();
-      state.tau.push_back(std::clamp(tau, ranges_[k].tau->low, ranges_[k].tau->high));
-    }
-    state.qdd.clear();
-    return state;
   }
 
   /// Sweep against sweep.
@@ -211,8 +205,7 @@ class AccelerationReducer {
   const std::vector<JointRanges>& ranges_;
   const ReduceOptions& options_;
   const std::function<void(const std::string&)>& stage_;
-  std::vector<JointRanges> within_;  ///< with the scene's accelerations
-  std::vector<double> largest_;
+  std::vector<double> largest_, accelerations_;  ///< |qdd_i|: at least, and at most
   Program full_program_;
   TrigonometricModel full_;
   std::vector<ReducedBase> bases_;  ///< the scene as it is first

@@ -10,10 +10,8 @@ namespace dynwitness::crosscheck {
     and tau of the envelope: scenes without terms, of which the one with the fewest parameters is
     taken that is within what is allowed and takes fewer operations of forward dynamics.
 
-    The scene's accelerations are bounded first (boundedAcceleration()), then those errors that its
-    forces would miss at these, through the reduced model's M^-1 (boundedAccelerationError()). So
-    the bound is one of all states of the envelope, and more: accelerations are taken to be
-    independent of q and qd within their bounds. */
+    The scene's accelerations are bounded first (boundedAcceleration()), then the errors at the
+    same q, qd and tau (AccelerationErrors), by what is allowed of all joints together. */
 Reduction reducedInAcceleration(const scene::Scene& scene,
                                 const std::vector<scene::JointRanges>& ranges,
                                 const ReduceOptions& options,

@@ -172,6 +172,12 @@ BOOST_AUTO_TEST_CASE(bounds_of_a_parameter_that_is_not_known) {
   const Outcome reduced = program.run("reduce pendulum.toml --tolerance 1% --set m=3");
   BOOST_TEST(reduced.status == 0);
   BOOST_TEST(reduced.out.find("[envelope.parameters] is left out") != std::string::npos);
+  dynwitness::fixtures::refuses(program, "reduce pendulum.toml --set m=3 --toml small.toml",
+                                "its value 3 is not in");
+  BOOST_TEST(program.run("reduce pendulum.toml --toml small.toml").status == 0);
+  BOOST_TEST(program.run("envelope small.toml --json small.json").status == 0);
+  BOOST_TEST(nlohmann::json::parse(program.read("small.json")).at("uncertain_parameters") ==
+             bound("").at("uncertain_parameters"));
   BOOST_TEST(program.run("write pendulum.toml --format toml -o again.toml").status == 0);
   BOOST_TEST(program.run("envelope again.toml --json again.json").status == 0);
   BOOST_TEST(nlohmann::json::parse(program.read("again.json")).at("uncertain_parameters") ==

@@ -12,7 +12,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/reduction/acceleration.hpp"
+#include "crosscheck/reduction/acceleration_error.hpp"
 #include "crosscheck/reduction/boxes.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
@@ -87,19 +87,18 @@ scene::Scene slide(const char* rotor) {
 }  // namespace
 
 // By hand: M = 2.5 with the rotor and 2 without; weight, spring and friction are those of both, so
-// that e = M_r^-1 (M - M_r) qdd = qdd / 4, whatever qdd is.
+// that e = (1/2 - 1/2.5) (tau - 2 g - 7 q - 3 qd) = -0.1 (5 + 19.62 + 7 + 6) at the worst corner.
 BOOST_AUTO_TEST_CASE(a_slide_without_its_rotor_by_hand) {
   const TrigonometricModel full = trigonometricModel(slide("0.5")),
                            reduced = trigonometricModel(slide("0"));
-  const TrigonometricModel off = difference(full, reduced);
-  const std::vector<scene::JointRanges> ranges = {{{-1, 1}, {-3, 2}, {-5, 4}}};
-  EnvelopeOptions options;
-  const EnvelopeBound bound =
-      boundedAccelerationError(reduced, off, ranges, {EnvelopeQuantity::Kind::kQdd, 0, 0})
-          ->over(ranges, options, -1);
-  BOOST_TEST(bound.certified >= 1.25);
-  BOOST_TEST(bound.certified <= 1.25 * (1 + 8 * kLost));  // 5 kLost measured
-  BOOST_TEST(bound.worst.qdd.at(0) == -5);
+  const std::vector<scene::JointRanges> ranges = {{{-1, 1}, {-3, 2}, {0, 0}, scene::Range{-5, 4}}};
+  AccelerationErrors errors(full, reduced, ranges, {15.05});
+  const EnvelopeBound bound = errors.of(0, {4}, {}, -1);
+  BOOST_TEST(bound.certified >= 3.762);
+  BOOST_TEST(bound.certified <= 3.762 * (1 + 64 * kLost));  // 27 kLost measured
+  BOOST_TEST(bound.worst.q.at(0) == 1);
+  BOOST_TEST(bound.worst.qd.at(0) == 2);
+  BOOST_TEST(bound.worst.tau.at(0) == -5);
 }
 
 BOOST_DATA_TEST_CASE(no_sampled_acceleration_errs_by_more_than_is_certified,
@@ -108,23 +107,67 @@ BOOST_DATA_TEST_CASE(no_sampled_acceleration_errs_by_more_than_is_certified,
   const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
   ReduceOptions options;
   options.of = ReducedQuantity::kQdd;
-  options.allowed = {0.5};
+  options.allowed = {0.05, 0.5};
   const Reduction reduction = reduced(scene, ranges, options, kNoStage);
   BOOST_TEST_MESSAGE(reductionText(scene, reduction));
-  BOOST_TEST(reduction.models.size() == 1U);
+  BOOST_TEST(reduction.models.size() == 2U);
   const int states = std::getenv("DYNWITNESS_LONG") ? 1000000 : 20000;
   for (const ReducedModel& model : reduction.models) {
     BOOST_TEST(model.share() <= model.allowed);
     const std::vector<double> worst = sampledWorst(scene, model.scene, ranges, states);
     for (std::size_t i = 0; i < worst.size(); ++i) {
-      BOOST_TEST(worst[i] <= model.forces[i].at_most, "qdd_" << i + 1);
-      BOOST_TEST(model.forces[i].at_least <= model.forces[i].at_most);
+      const ReducedForce& force = model.forces[i];
+      BOOST_TEST(worst[i] <= force.at_most, "qdd_" << i + 1);
+      BOOST_TEST(force.at_least <= force.at_most);
+      // at most 1.2 in scara, 2.3 in puma_560, measured
+      if (force.at_least > 0)
+        BOOST_TEST(force.at_most <= (name == "puma_560" ? 3 : 1.2) * force.at_least,
+                   "qdd_" << i + 1 << ": " << force.at_most << ", seen " << force.at_least);
     }
     if (!model.parameters.empty())
       BOOST_TEST(model.operations() < reduction.full.bodyOperations().all());
   }
-  // of puma_560 112 operations are left of 476, measured; the others have no parameter to spare
-  if (name == "puma_560") BOOST_TEST(reduction.models.back().operations() <= 112);
+  // 112 operations are left of puma_560's 476 with 5 %, 42 of scara's 84 with 50 %, measured; of
+  // planar_3r samples miss every parameter by more than 18 %, and two together by more than 54 %
+  if (name == "puma_560") BOOST_TEST(reduction.models.front().operations() <= 112);
+  if (name == "scara") BOOST_TEST(reduction.models.back().operations() <= 42);
+}
+
+// What is asked for is put into the bounds: that must not make anything true.
+BOOST_AUTO_TEST_CASE(less_than_is_seen_is_not_granted_for_being_asked) {
+  const scene::Scene whole = scene::findScene("planar_3r");
+  scene::Scene without = whole;
+  without.mechanism.links[1].inertia.zz = 0;
+  without.mechanism.links[1].inertia.yy = 0;
+  const TrigonometricModel full = trigonometricModel(whole), reduced = trigonometricModel(without);
+  const std::vector<scene::JointRanges> ranges = scene::readEnvelope(whole);
+  const std::vector<double> seen = sampledWorst(whole, without, ranges, 20000);
+  AccelerationErrors errors(full, reduced, ranges, {513, 1874, 3220});  // as envelope bounds them
+  for (const double share : {0.9, 0.1, 0.001}) {
+    std::vector<double> asked;
+    for (const double s : seen) asked.push_back(share * s);
+    bool is_granted = true;
+    for (int i = 0; i < 3; ++i) {
+      const double limit = asked[static_cast<std::size_t>(i)];
+      is_granted = is_granted && errors.of(i, asked, {}, limit).certified <= limit;
+    }
+    BOOST_TEST(!is_granted, share);
+  }
+}
+
+// Nothing turns with scara's last joint but its flange.
+BOOST_AUTO_TEST_CASE(a_model_whose_mass_matrix_has_no_inverse_has_no_bound) {
+  const scene::Scene whole = scene::findScene("scara");
+  scene::Scene without = whole;
+  without.mechanism.links.back().inertia = {};
+  without.mechanism.links.back().joint.rotor_inertia = 0;
+  const std::vector<scene::JointRanges> ranges = scene::readEnvelope(whole);
+  const TrigonometricModel full = trigonometricModel(whole), reduced = trigonometricModel(without);
+  AccelerationErrors errors(full, reduced, ranges, std::vector<double>(4, 4000));
+  EnvelopeOptions options;
+  options.boxes = 50;
+  for (int i = 0; i < 4; ++i)
+    BOOST_TEST(std::isinf(errors.of(i, std::vector<double>(4, 1000), options, -1).certified));
 }
 
 BOOST_AUTO_TEST_CASE(accelerations_that_nobody_can_bound_are_refused) {

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guaranteed bounds of how far the joint accelerations of two models lie apart, and of one's.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "crosscheck/reduction/envelope.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** Bounds of |e_i|, e = qdd_r - qdd of two models at the same q, qd and tau, over a box of these.
+
+    With the forces s = tau - h, D = M_r - M and d = h_r - h (friction, springs and loads are those
+    of both, so that tau is in neither),
+
+        M qdd = s,   M_r e = -d - D qdd                                                      (1)
+
+    Whatever vectors l and k are, by (1)
+
+        e_i = -l'd + k's + (u_i - M_r l)'e - (D l + M k)'qdd,   u_i: row i of the unit matrix  (2)
+
+    At the corners of a box in q, l is row i of M_r^-1 and k = (M_r^-1 - M^-1) u_i, so that both
+    brackets are 0; between corners l and k are interpolated, linearly in each joint, and everything
+    in (2) but e and qdd is a product of these and of polynomials: its second derivatives are known
+    at corners, sign by sign, and between them by the fourth. So a bracket is of second order in the
+    widths, entry by entry, and what it is multiplied by may be bounded generously. Of tau nothing
+    else is lost: (2) is linear in it, and k has no second derivative.
+
+    |qdd_j| is what the caller knows of it, |e_j| what he asks for: if the bounds of all i by (2),
+    over boxes that cover the envelope, are at most the |e_j| that were put into them, these hold.
+    For let E be the largest |e_i(q, qd, tau)| / |e_i| asked for, at some q; (2) there says
+    E <= C + E P with C + P <= 1, P < 1 the share that e has in it. Where P < 1 for all i, M_r has
+    an inverse: 1 - (u_i - M_r l)_i is dominant in its diagonal.
+
+    Of one model |qdd_i| is bounded in the same way, by
+
+        qdd_i = k's + (u_i - M k)'qdd                                                        (3)
+
+    with what is already known of qdd.
+    @throws scene::InputError  more monomials than the table takes */
+class AccelerationErrors {
+ public:
+  /// @param ranges         each with tau; they and the models must outlive this
+  /// @param accelerations  |qdd_j| is at most this in the envelope
+  AccelerationErrors(const TrigonometricModel& full, const TrigonometricModel& reduced,
+                     const std::vector<scene::JointRanges>& ranges,
+                     const std::vector<double>& accelerations);
+  /// Of one model: of() bounds |qdd_i| by (3).
+  AccelerationErrors(const TrigonometricModel& model,
+                     const std::vector<scene::JointRanges>& ranges,
+                     const std::vector<double>& accelerations);
+  ~AccelerationErrors();
+
+  /** By (2) or (3), `sampled` is what was seen at a corner less its roundings.
+      @param within  |e_j| that are asked for, or known; of (3) no matter
+      @param decide  as boundOfParts() */
+  EnvelopeBound of(int i, const std::vector<double>& within, const EnvelopeOptions& options,
+                   double decide);
+
+ private:
+  class Search;
+  std::unique_ptr<Search> search_;
+};
+
+}  // namespace dynwitness::crosscheck
