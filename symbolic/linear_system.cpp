@@ -259,7 +259,7 @@ class Steps {
                              const Rows<Ex>& dividends, const Rows<Named>& in_names,
                              const Matrix& nodes, bool is_symmetric, Step* step);
   void system();
-  Rows<Named> namesOf(const std::string& letter, const Matrix& nodes);
+  Rows<Named> namesOf(const std::string& letter, const Rows<Ex>& entries);
   static StepEquation matrixOf(const std::string& letter, const Rows<Formula>& shown,
                                const Rows<Formula>& names, const Matrix& nodes);
 
@@ -305,7 +305,7 @@ void Steps::jointForces(const PutIn& at) {
     step.holds = step.holds && isZero(tau - algebra_->expression(put(sum)));
     out.is_forceless = out.is_forceless && isZero(tau);
     step.equations.push_back(
-        {{Formula::ofSymbol(numbered("tau", i)), algebra_->formula(tau)}, {}, tau_[i]});
+        {{algebra_->formula(tau), Formula::ofInput(Input::kForce, i)}, tau_[i], {}});
   }
   out.derivation.steps.push_back(step);
 }
@@ -326,8 +326,11 @@ void Steps::addEntries(const std::string& letter, const Matrix& nodes, bool is_s
 
 void Steps::matrices() {
   const Rows<Ex> M = expressions(M_);
-  Step mass{
-      "mass matrix there", "M, and Delta = det M.", {}, "M equals M', and M adj(M) = Delta", true};
+  Step mass{"mass matrix there",
+            "M, and Delta = det M.",
+            {},
+            "M is symmetric, and M adj(M) = Delta",
+            true};
   addEntries("M", M_, true, &mass);
   const Rows<Ex> unit = product(M, adjugate_);
   for (int i = 0; i < n_; ++i)
@@ -350,14 +353,14 @@ void Steps::matrices() {
 }
 
 /// "M12", or 0.
-Rows<Named> Steps::namesOf(const std::string& letter, const Matrix& nodes) {
-  Rows<Named> names(nodes.size());
+Rows<Named> Steps::namesOf(const std::string& letter, const Rows<Ex>& entries) {
+  Rows<Named> names(entries.size());
   for (int i = 0; i < n_; ++i)
     for (int j = 0; j < n_; ++j) {
       const std::string name = letter == "K" || letter == "D"
                                    ? numbered(letter, i, j)
                                    : numbered(letter, std::min(i, j), std::max(i, j));
-      const bool is_zero = isZero(algebra_->expression(nodes[i][j]));
+      const bool is_zero = isZero(entries[i][j]);
       names[i].push_back({is_zero ? Formula::ofNumber(0) : Formula::ofSymbol(name)});
     }
   return names;
@@ -384,8 +387,8 @@ Rows<Formula> Steps::addQuotients(const std::string& letter, int row, int column
 }
 
 void Steps::inverse() {
-  Step step{"inverse of the mass matrix", "W = M^-1.", {}, "", true};
-  Rows<Named> in_names = adjugate(namesOf("M", M_), Named{Formula::ofNumber(1)});
+  Step step{"inverse of the mass matrix", "W is the inverse of M.", {}, "", true};
+  Rows<Named> in_names = adjugate(namesOf("M", expressions(M_)), Named{Formula::ofNumber(1)});
   const Formula delta = Formula::ofSymbol(n_ > 1 ? "Delta" : "M11");
   for (auto& row : in_names)
     for (Named& entry : row) entry.formula = Formula::quotient(entry.formula, delta);
@@ -416,12 +419,13 @@ StepEquation Steps::matrixOf(const std::string& letter, const Rows<Formula>& sho
 
 void Steps::system() {
   Step step{"A and B",
-            "d/dt (dq, dqd) = A (dq, dqd) + B dtau, A = [0, 1; -W K, -W D], B = [0; W].",
+            "The rate of (dq, dqd) is A (dq, dqd) + B dtau: above dqd, below "
+            "dqdd = W (dtau - K dq - D dqd).",
             {},
             "M times the lower half of A is -(K, D)",
             true};
   const Rows<Ex> M = expressions(M_);
-  const Rows<Named> W = namesOf("W", out.by_force);
+  const Rows<Named> W = namesOf("W", adjugate_);
   const std::size_t n = static_cast<std::size_t>(n_), columns = actuated_.size();
   const Formula zero = Formula::ofNumber(0), one = Formula::ofNumber(1);
   Rows<Formula> A(2 * n, std::vector<Formula>(2 * n, zero)),
@@ -434,7 +438,7 @@ void Steps::system() {
     for (auto& row : dividends)
       for (Ex& x : row) x = (-x).expand();
     const Rows<Ex> left = product(M, dividends);
-    Rows<Named> in_names = product(W, namesOf(letter, slopes));
+    Rows<Named> in_names = product(W, namesOf(letter, times));
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j) {
         step.holds = step.holds && isZero(left[i][j] + delta_ * times[i][j]);

@@ -34,12 +34,15 @@ LinearSystem systemOf(const scene::Mechanism& mechanism, const std::vector<doubl
   return linearSystem(mechanism, putIn(mechanism, q, still, true), allRates(mechanism));
 }
 
-/// What stands on the right of each name.
+/// What stands beside each name, of joint forces on the left.
 std::map<std::string, std::string> said(const LinearSystem& system) {
   std::map<std::string, std::string> out;
   for (const Step& step : system.derivation.steps)
     for (const StepEquation& e : step.equations)
-      out[print(e.left, Style::kText)] = print(e.right, Style::kText);
+      if (e.left_value)
+        out[print(e.right, Style::kText)] = print(e.left, Style::kText);
+      else
+        out[print(e.left, Style::kText)] = print(e.right, Style::kText);
   return out;
 }
 
@@ -68,9 +71,18 @@ BOOST_AUTO_TEST_CASE(a_cart_pole_upright) {
   auto text = said(system);
   BOOST_TEST(text["K22"] == "-mp*g*l");
   BOOST_TEST(text["A32"] == "-3*mp*g/(4*mc + mp)");
-  BOOST_TEST(text["A42"] == "3*(mc + mp)*g/((4*mc + mp)*l)");
+  BOOST_TEST(text["A42"] == "3*g*(mc + mp)/(l*(4*mc + mp))");
   BOOST_TEST(text["W11"] == "4/(4*mc + mp)");
-  BOOST_TEST(text["W12"] == "-3/((4*mc + mp)*l)");
+  BOOST_TEST(text["W12"] == "-3/(l*(4*mc + mp))");
+  BOOST_TEST(text["W22"] == "3*(mc + mp)/(mp*l^2*(4*mc + mp))");
+}
+
+// By hand: M22 = m2 l2^2/3, Delta = m2 l1^2 l2^2 (4 m1 + 3 m2)/36, K12 = K22 = m2 g l2/2 of rods.
+BOOST_AUTO_TEST_CASE(a_double_pendulum_hangs) {
+  auto text = said(systemOf(scene::findScene("double_pendulum").mechanism, {0, 0}));
+  BOOST_TEST(text["W11"] == "12/(l1^2*(4*m1 + 3*m2))");
+  BOOST_TEST(text["A31"] == "-3*g*(2*m1 + m2)/(l1*(4*m1 + 3*m2))");
+  BOOST_TEST(text["A32"] == "9*m2*g/(l1*(4*m1 + 3*m2))");
 }
 
 // What is no right angle stays a letter, with the force that holds it there.
