@@ -63,7 +63,7 @@ std::vector<std::string> smallSceneFiles() {
 
 BOOST_AUTO_TEST_SUITE(linear_system)
 
-// By hand: M = [mc + mp, mp l; mp l, 4/3 mp l^2], K = [0, 0; 0, -mp g l]. As in textbooks of control.
+// By hand: M = [mc + mp, mp l; mp l, 4/3 mp l^2], K = [0, 0; 0, -mp g l].
 BOOST_AUTO_TEST_CASE(a_cart_pole_upright) {
   const LinearSystem system = systemOf(scene::findScene("cart_pole").mechanism, {0, 0});
   BOOST_TEST(system.derivation.holds());
