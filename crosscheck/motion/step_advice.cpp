@@ -203,8 +203,8 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
     out.step = kAny;
     return out;
   }
-  // two digits are told: from a factor of 2 on, 7 leave 2^-7 of h (0.8 %), and asking once more is a
-  // run of the modified equation; from a tenth on, 30 leave 1e-10
+  // two digits are told: from a factor of 2 on, 7 leave 2^-7 of h (0.8 %), where each is a run of
+  // the modified equation; from a tenth on, 30 leave 1e-10
   const int bisections = leavesMotion(known) ? 7 : 30;
   for (int k = 0; k < bisections; ++k) {
     const double middle = (held + broken) / 2;
