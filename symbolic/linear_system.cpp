@@ -18,6 +18,10 @@ namespace {
 
 using Matrix = LinearSystem::Matrix;
 
+/// A fraction is not broken at the end of a line, of which 483 pt in LaTeX hold some 115 characters
+/// of plain text (acrobot's longest dividend, 190, took 800 pt).
+constexpr std::size_t kWidestFraction = 100;
+
 /// A term is four letters and more: so many do not fit into a row.
 constexpr std::size_t kMostTerms = kLongestRow / 4;
 
@@ -180,6 +184,18 @@ std::string sentenceOf(const PutIn& at) {
   std::string text;
   for (const std::string& one : said) text += (text.empty() ? "" : ", ") + one;
   return text.empty() ? "any state" : text;
+}
+
+/// A quotient whose dividend may be broken at its signs where it is wide; none: the divisor is wide.
+std::optional<Formula> inLines(const Formula& f) {
+  const bool is_negative = f.kind == Formula::Kind::kNegate;
+  const Formula& size = is_negative ? f.operands.front() : f;
+  if (size.kind != Formula::Kind::kQuotient) return f;
+  const Formula &dividend = size.operands[0], &divisor = size.operands[1];
+  if (length(divisor) > kWidestFraction) return std::nullopt;
+  if (length(dividend) <= kWidestFraction) return f;
+  const Formula product = Formula::product({Formula::power(divisor, -1), dividend});
+  return is_negative ? Formula::negate(product) : product;
 }
 
 /// The steps of linearSystem().
@@ -374,8 +390,8 @@ Rows<Formula> Steps::addQuotients(const std::string& letter, int row, int column
   for (int i = 0; i < n_; ++i)
     for (int j = is_symmetric ? i : 0; j < n_; ++j) {
       if (isZero(dividends[i][j])) continue;
-      const std::optional<Formula> quotient =
-          algebra_->quotient(dividends[i][j], delta_, kMostTerms);
+      std::optional<Formula> quotient = algebra_->quotient(dividends[i][j], delta_, kMostTerms);
+      if (quotient) quotient = inLines(*quotient);
       const Formula name = Formula::ofSymbol(numbered(letter, row + i, column + j));
       const bool is_long = !quotient || length(*quotient) > kLongestRow;
       const Formula& value = is_long ? in_names[i][j].formula : *quotient;
