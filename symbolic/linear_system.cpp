@@ -186,7 +186,7 @@ std::string sentenceOf(const PutIn& at) {
   return text.empty() ? "any state" : text;
 }
 
-/// A quotient whose dividend may be broken at its signs where it is wide; none: the divisor is wide.
+/// A quotient whose dividend can be broken at its signs where it is wide; none: the divisor is.
 std::optional<Formula> inLines(const Formula& f) {
   const bool is_negative = f.kind == Formula::Kind::kNegate;
   const Formula& size = is_negative ? f.operands.front() : f;

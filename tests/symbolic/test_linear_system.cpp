@@ -116,6 +116,17 @@ BOOST_DATA_TEST_CASE(every_small_scene_says_what_was_derived, data::make(smallSc
   }
 }
 
+// With rates and accelerations as letters; at rest most D are 0.
+BOOST_DATA_TEST_CASE(a_moving_scene_says_what_was_derived,
+                     data::make({"acrobot", "furuta_pendulum"}), name) {
+  const scene::Mechanism mechanism = scene::findScene(name).mechanism;
+  const LinearSystem system =
+      linearSystem(mechanism, putIn(mechanism, {0.3, 0.2}, {0.5, 0.4}, false), allRates(mechanism));
+  BOOST_TEST(system.derivation.holds());
+  BOOST_TEST(said(system).count("D11") == 1u);
+  for (const Style style : kStyles) BOOST_TEST(readProblem(system, style) == "");
+}
+
 // Every sign that is printed is read.
 BOOST_AUTO_TEST_CASE(every_turned_sign_of_a_linear_system_is_noticed) {
   const LinearSystem system = systemOf(scene::findScene("cart_pole").mechanism, {0, 0.3});
