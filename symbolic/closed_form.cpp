@@ -421,7 +421,11 @@ std::optional<Formula> ClosedAlgebra::quotient(const GiNaC::ex& dividend, const 
     up = -up;
     down = -down;
   }
-  const Formula above = formula(up), below = formula(down);
+  const auto written = [this](const GiNaC::ex& x) {  // 3 g (2 m1 + m2), and not g (6 m1 + 3 m2)
+    const GiNaC::numeric content = x.integer_content();
+    return Formula::product({Formula::ofNumber(fromGinac(content)), formula(x / content)});
+  };
+  const Formula above = written(up.expand()), below = written(down.expand());
   if (below.kind == Formula::Kind::kNumber && below.number == 1) return above;
   if (above.kind == Formula::Kind::kNegate)
     return Formula::negate(Formula::quotient(above.operands.front(), below));

@@ -18,6 +18,10 @@ namespace {
 
 using Matrix = LinearSystem::Matrix;
 
+/// A fraction is not broken at the end of a line, of which 483 pt in LaTeX hold some 115 characters
+/// of plain text (acrobot's longest dividend, 190, took 800 pt).
+constexpr std::size_t kWidestFraction = 100;
+
 /// A term is four letters and more: so many do not fit into a row.
 constexpr std::size_t kMostTerms = kLongestRow / 4;
 
@@ -182,6 +186,18 @@ std::string sentenceOf(const PutIn& at) {
   return text.empty() ? "any state" : text;
 }
 
+/// A quotient whose dividend can be broken at its signs where it is wide; none: the divisor is.
+std::optional<Formula> inLines(const Formula& f) {
+  const bool is_negative = f.kind == Formula::Kind::kNegate;
+  const Formula& size = is_negative ? f.operands.front() : f;
+  if (size.kind != Formula::Kind::kQuotient) return f;
+  const Formula &dividend = size.operands[0], &divisor = size.operands[1];
+  if (length(divisor) > kWidestFraction) return std::nullopt;
+  if (length(dividend) <= kWidestFraction) return f;
+  const Formula product = Formula::product({Formula::power(divisor, -1), dividend});
+  return is_negative ? Formula::negate(product) : product;
+}
+
 /// The steps of linearSystem().
 class Steps {
  public:
@@ -259,7 +275,7 @@ class Steps {
                              const Rows<Ex>& dividends, const Rows<Named>& in_names,
                              const Matrix& nodes, bool is_symmetric, Step* step);
   void system();
-  Rows<Named> namesOf(const std::string& letter, const Matrix& nodes);
+  Rows<Named> namesOf(const std::string& letter, const Rows<Ex>& entries);
   static StepEquation matrixOf(const std::string& letter, const Rows<Formula>& shown,
                                const Rows<Formula>& names, const Matrix& nodes);
 
@@ -305,7 +321,7 @@ void Steps::jointForces(const PutIn& at) {
     step.holds = step.holds && isZero(tau - algebra_->expression(put(sum)));
     out.is_forceless = out.is_forceless && isZero(tau);
     step.equations.push_back(
-        {{Formula::ofSymbol(numbered("tau", i)), algebra_->formula(tau)}, {}, tau_[i]});
+        {{algebra_->formula(tau), Formula::ofInput(Input::kForce, i)}, tau_[i], {}});
   }
   out.derivation.steps.push_back(step);
 }
@@ -326,8 +342,11 @@ void Steps::addEntries(const std::string& letter, const Matrix& nodes, bool is_s
 
 void Steps::matrices() {
   const Rows<Ex> M = expressions(M_);
-  Step mass{
-      "mass matrix there", "M, and Delta = det M.", {}, "M equals M', and M adj(M) = Delta", true};
+  Step mass{"mass matrix there",
+            "M, and Delta = det M.",
+            {},
+            "M is symmetric, and M adj(M) = Delta",
+            true};
   addEntries("M", M_, true, &mass);
   const Rows<Ex> unit = product(M, adjugate_);
   for (int i = 0; i < n_; ++i)
@@ -350,14 +369,14 @@ void Steps::matrices() {
 }
 
 /// "M12", or 0.
-Rows<Named> Steps::namesOf(const std::string& letter, const Matrix& nodes) {
-  Rows<Named> names(nodes.size());
+Rows<Named> Steps::namesOf(const std::string& letter, const Rows<Ex>& entries) {
+  Rows<Named> names(entries.size());
   for (int i = 0; i < n_; ++i)
     for (int j = 0; j < n_; ++j) {
       const std::string name = letter == "K" || letter == "D"
                                    ? numbered(letter, i, j)
                                    : numbered(letter, std::min(i, j), std::max(i, j));
-      const bool is_zero = isZero(algebra_->expression(nodes[i][j]));
+      const bool is_zero = isZero(entries[i][j]);
       names[i].push_back({is_zero ? Formula::ofNumber(0) : Formula::ofSymbol(name)});
     }
   return names;
@@ -371,8 +390,8 @@ Rows<Formula> Steps::addQuotients(const std::string& letter, int row, int column
   for (int i = 0; i < n_; ++i)
     for (int j = is_symmetric ? i : 0; j < n_; ++j) {
       if (isZero(dividends[i][j])) continue;
-      const std::optional<Formula> quotient =
-          algebra_->quotient(dividends[i][j], delta_, kMostTerms);
+      std::optional<Formula> quotient = algebra_->quotient(dividends[i][j], delta_, kMostTerms);
+      if (quotient) quotient = inLines(*quotient);
       const Formula name = Formula::ofSymbol(numbered(letter, row + i, column + j));
       const bool is_long = !quotient || length(*quotient) > kLongestRow;
       const Formula& value = is_long ? in_names[i][j].formula : *quotient;
@@ -384,8 +403,8 @@ Rows<Formula> Steps::addQuotients(const std::string& letter, int row, int column
 }
 
 void Steps::inverse() {
-  Step step{"inverse of the mass matrix", "W = M^-1.", {}, "", true};
-  Rows<Named> in_names = adjugate(namesOf("M", M_), Named{Formula::ofNumber(1)});
+  Step step{"inverse of the mass matrix", "W is the inverse of M.", {}, "", true};
+  Rows<Named> in_names = adjugate(namesOf("M", expressions(M_)), Named{Formula::ofNumber(1)});
   const Formula delta = Formula::ofSymbol(n_ > 1 ? "Delta" : "M11");
   for (auto& row : in_names)
     for (Named& entry : row) entry.formula = Formula::quotient(entry.formula, delta);
@@ -416,12 +435,13 @@ StepEquation Steps::matrixOf(const std::string& letter, const Rows<Formula>& sho
 
 void Steps::system() {
   Step step{"A and B",
-            "d/dt (dq, dqd) = A (dq, dqd) + B dtau, A = [0, 1; -W K, -W D], B = [0; W].",
+            "The rate of (dq, dqd) is A (dq, dqd) + B dtau: above dqd, below "
+            "dqdd = W (dtau - K dq - D dqd).",
             {},
             "M times the lower half of A is -(K, D)",
             true};
   const Rows<Ex> M = expressions(M_);
-  const Rows<Named> W = namesOf("W", out.by_force);
+  const Rows<Named> W = namesOf("W", adjugate_);
   const std::size_t n = static_cast<std::size_t>(n_), columns = actuated_.size();
   const Formula zero = Formula::ofNumber(0), one = Formula::ofNumber(1);
   Rows<Formula> A(2 * n, std::vector<Formula>(2 * n, zero)),
@@ -434,7 +454,7 @@ void Steps::system() {
     for (auto& row : dividends)
       for (Ex& x : row) x = (-x).expand();
     const Rows<Ex> left = product(M, dividends);
-    Rows<Named> in_names = product(W, namesOf(letter, slopes));
+    Rows<Named> in_names = product(W, namesOf(letter, times));
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j) {
         step.holds = step.holds && isZero(left[i][j] + delta_ * times[i][j]);

@@ -22,7 +22,7 @@ struct Symbol {
 bool isQuantity(const std::string& head, bool has_subscript) {
   if (head.size() > 1) return printName(head, Style::kLatex) == "\\" + head;
   const std::string letters =
-      has_subscript ? "ABCDHIJKLMQRTVXbcdfghmnpqrvwxyz" : "BDHJKLMQRTVXbcfghijkmnpqvwxyz";
+      has_subscript ? "ABCDHIJKLMQRTVWXbcdfghmnpqrvwxyz" : "BDHJKLMQRTVWXbcfghijkmnpqvwxyz";
   return head.size() == 1 && letters.find(head) != std::string::npos;
 }
 

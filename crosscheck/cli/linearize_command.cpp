@@ -163,8 +163,8 @@ Json toJson(double radius) {
   return std::isfinite(radius) ? Json(radius) : Json("inf");
 }
 
-/** What is 0 or a right angle is put in; of an equilibrium that was found also what is as near to one
-    as Newton's steps come, if joint forces are 0 there whatever the parameters are. */
+/** What is 0 or a right angle is put in; of an equilibrium that was found also what is as near to
+    one as Newton's steps come, if joint forces are 0 there whatever the parameters are. */
 symbolic::LinearSystem lettersAt(const scene::Scene& scene, const LinearizationOptions& options,
                                  const Linearization& at) {
   const bool is_unaccelerated = at.rests || !options.has_no_forces;

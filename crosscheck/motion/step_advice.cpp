@@ -101,6 +101,10 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration) {
   constexpr int kMoments = 200;
   constexpr double kStepError = 1e-8;
   constexpr int kMostSteps = 1000000;
+  // The energy of an oscillation swings at twice its angle: half a radian apart a period of it has
+  // 2 pi states, and sums over states apart equally are the integrals of its harmonics up to the
+  // fifth. More than 20 a moment, 4000 in all, are not kept: then what is fastest is undersampled,
+  // and the spectrum, which needs no samples within a period, decides.
   constexpr double kRadians = 0.5, kMostParts = 20;
   TreeMotion<double> motion(scene.mechanism);
   Vector y = startOf<double>(scene);
@@ -199,6 +203,8 @@ StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spe
     out.step = kAny;
     return out;
   }
+  // two digits are told: from a factor of 2 on, 7 leave 2^-7 of h (0.8 %), where each is a run of
+  // the modified equation; from a tenth on, 30 leave 1e-10
   const int bisections = leavesMotion(known) ? 7 : 30;
   for (int k = 0; k < bisections; ++k) {
     const double middle = (held + broken) / 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A and B in letters, by Lagrange's equations: of which scenes, and whether the sweeps say the same.
+// A and B in letters, by Lagrange's equations: of which scenes, and do the sweeps say the same?
 #pragma once
 
 #include <vector>

@@ -34,12 +34,15 @@ LinearSystem systemOf(const scene::Mechanism& mechanism, const std::vector<doubl
   return linearSystem(mechanism, putIn(mechanism, q, still, true), allRates(mechanism));
 }
 
-/// What stands on the right of each name.
+/// What stands beside each name, of joint forces on the left.
 std::map<std::string, std::string> said(const LinearSystem& system) {
   std::map<std::string, std::string> out;
   for (const Step& step : system.derivation.steps)
     for (const StepEquation& e : step.equations)
-      out[print(e.left, Style::kText)] = print(e.right, Style::kText);
+      if (e.left_value)
+        out[print(e.right, Style::kText)] = print(e.left, Style::kText);
+      else
+        out[print(e.left, Style::kText)] = print(e.right, Style::kText);
   return out;
 }
 
@@ -60,7 +63,7 @@ std::vector<std::string> smallSceneFiles() {
 
 BOOST_AUTO_TEST_SUITE(linear_system)
 
-// By hand: M = [mc + mp, mp l; mp l, 4/3 mp l^2], K = [0, 0; 0, -mp g l]. As in textbooks of control.
+// By hand: M = [mc + mp, mp l; mp l, 4/3 mp l^2], K = [0, 0; 0, -mp g l].
 BOOST_AUTO_TEST_CASE(a_cart_pole_upright) {
   const LinearSystem system = systemOf(scene::findScene("cart_pole").mechanism, {0, 0});
   BOOST_TEST(system.derivation.holds());
@@ -68,9 +71,18 @@ BOOST_AUTO_TEST_CASE(a_cart_pole_upright) {
   auto text = said(system);
   BOOST_TEST(text["K22"] == "-mp*g*l");
   BOOST_TEST(text["A32"] == "-3*mp*g/(4*mc + mp)");
-  BOOST_TEST(text["A42"] == "3*(mc + mp)*g/((4*mc + mp)*l)");
+  BOOST_TEST(text["A42"] == "3*g*(mc + mp)/(l*(4*mc + mp))");
   BOOST_TEST(text["W11"] == "4/(4*mc + mp)");
-  BOOST_TEST(text["W12"] == "-3/((4*mc + mp)*l)");
+  BOOST_TEST(text["W12"] == "-3/(l*(4*mc + mp))");
+  BOOST_TEST(text["W22"] == "3*(mc + mp)/(mp*l^2*(4*mc + mp))");
+}
+
+// By hand: M22 = m2 l2^2/3, Delta = m2 l1^2 l2^2 (4 m1 + 3 m2)/36, K12 = K22 = m2 g l2/2 of rods.
+BOOST_AUTO_TEST_CASE(a_double_pendulum_hangs) {
+  auto text = said(systemOf(scene::findScene("double_pendulum").mechanism, {0, 0}));
+  BOOST_TEST(text["W11"] == "12/(l1^2*(4*m1 + 3*m2))");
+  BOOST_TEST(text["A31"] == "-3*g*(2*m1 + m2)/(l1*(4*m1 + 3*m2))");
+  BOOST_TEST(text["A32"] == "9*m2*g/(l1*(4*m1 + 3*m2))");
 }
 
 // What is no right angle stays a letter, with the force that holds it there.
@@ -102,6 +114,17 @@ BOOST_DATA_TEST_CASE(every_small_scene_says_what_was_derived, data::make(smallSc
     for (const Step& step : system.derivation.steps) BOOST_TEST(step.holds, step.name);
     for (const Style style : kStyles) BOOST_TEST(readProblem(system, style) == "");
   }
+}
+
+// With rates and accelerations as letters; at rest most D are 0.
+BOOST_DATA_TEST_CASE(a_moving_scene_says_what_was_derived,
+                     data::make({"acrobot", "furuta_pendulum"}), name) {
+  const scene::Mechanism mechanism = scene::findScene(name).mechanism;
+  const LinearSystem system =
+      linearSystem(mechanism, putIn(mechanism, {0.3, 0.2}, {0.5, 0.4}, false), allRates(mechanism));
+  BOOST_TEST(system.derivation.holds());
+  BOOST_TEST(said(system).count("D11") == 1u);
+  for (const Style style : kStyles) BOOST_TEST(readProblem(system, style) == "");
 }
 
 // Every sign that is printed is read.

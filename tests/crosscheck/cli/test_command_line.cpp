@@ -479,6 +479,15 @@ BOOST_AUTO_TEST_CASE(a_state_is_given_by_place_by_name_and_in_the_scenes_paramet
   refuses(program, "linearize kapitza_pendulum --qd pivot=0",
           "--qd: read 0 for joint 'pivot', which is driven: its motion puts it at 4");
   BOOST_TEST(program.run("linearize kapitza_pendulum --q rod=3").status == 0);
+  refuses(program, "linearize puma_560 --symbolic", "6 rates, whose entries nobody reads");
+  refuses(program, "linearize kapitza_pendulum --symbolic", "what else ties joints");
+  refuses(program, "linearize acrobot --symbolic --json a.json", "--json");
+  refuses(program, "linearize acrobot --format latex", "are for --symbolic");
+  const fixtures::Outcome letters =
+      program.run("linearize double_pendulum --symbolic --equilibrium --q 3,0.1");
+  BOOST_TEST(letters.status == 0, letters.out);  // Newton's steps end at pi but for rounding
+  BOOST_TEST(letters.out.find("At q1 = pi, q2 = 0, qd = 0, qdd = 0") != std::string::npos,
+             letters.out);
   refuses(program, "drift double_pendulum --motion none.csv --step 0.1,0.2",
           "--step: 2 steps of 1 motions");
 }

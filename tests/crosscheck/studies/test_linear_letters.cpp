@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A and B in letters by Lagrange's equations, and dual numbers in the sweeps: the same for all values
-// of the letters, and not where a letter is wrong.
+// A and B in letters by Lagrange's equations, and dual numbers in the sweeps: the same for all
+// values of the letters, and not where a letter is wrong.
 #include "crosscheck/studies/linear_letters.hpp"
 
 #include <algorithm>
