@@ -14,11 +14,11 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
-#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/many_states.hpp"
-#include "tests/fixtures/lanes/many_steps.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/all_cores.hpp"
+#include "tests/fixtures/lanes/many_derivatives.hpp"
+#include "tests/fixtures/lanes/many_steps.hpp"
 #include "tests/fixtures/scene_files.hpp"
 
 namespace {
