@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -9,19 +11,25 @@
 namespace dynwitness::crosscheck {
 namespace {
 
+/// What was measured of reading or writing, and of how many bytes, the fewest first.
+std::vector<std::pair<double, const Measurement*>> bySize(const BenchResult& result,
+                                                          const char* what) {
+  std::vector<std::pair<double, const Measurement*>> all;
+  for (const Measurement& m : result.measured)
+    if (m.subject == kMachine && m.what == what && m.unit == "ns")
+      all.emplace_back(1024 * std::strtod(m.by.c_str(), nullptr), &m);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
 /// Nanoseconds a byte, of as many bytes as a contender goes through: of the sizes that were
 /// measured the largest that is not larger, since a smaller array is never slower; else the
 /// smallest.
 std::optional<double> perByte(const BenchResult& result, const char* what, double bytes) {
-  const Measurement* best = nullptr;
-  const auto size = [](const Measurement& m) { return std::strtod(m.by.c_str(), nullptr) * 1024; };
-  for (const Measurement& m : result.measured) {
-    if (m.subject != kMachine || m.what != what || m.unit != "ns") continue;
-    const bool nearer = !best || (size(m) <= bytes ? size(*best) > bytes || size(m) > size(*best)
-                                                   : size(*best) > bytes && size(m) < size(*best));
-    if (nearer) best = &m;
-  }
-  return best ? std::optional<double>(best->value) : std::nullopt;
+  std::optional<double> best;
+  for (const auto& [size, m] : bySize(result, what))
+    if (!best || size <= bytes) best = m->value;
+  return best;
 }
 
 }  // namespace
@@ -60,9 +68,8 @@ std::string machineText(const BenchResult& result) {
           fmt::format("{}{:.3g} GFLOP/s {}", text.empty() ? "one core: " : ", ", 1 / m.value, m.by);
   for (const char* way : {kReading, kWriting}) {
     std::string sizes;
-    for (const Measurement& m : result.measured)
-      if (m.subject == kMachine && m.what == way)
-        sizes += fmt::format("{}{:.3g} GB/s of {}", sizes.empty() ? "" : ", ", 1 / m.value, m.by);
+    for (const auto& [size, m] : bySize(result, way))
+      sizes += fmt::format("{}{:.3g} GB/s of {}", sizes.empty() ? "" : ", ", 1 / m->value, m->by);
     if (!sizes.empty()) text += fmt::format("; {} {}", way, sizes);
   }
   return text;

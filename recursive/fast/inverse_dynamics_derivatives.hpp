@@ -269,7 +269,8 @@ DYNWITNESS_INLINE void sumInward(const Plan<P>& plan, const T* qd, const T* qdd,
   }
 }
 
-/// What the axes of a pack make of what they move, in the frame that turns with it: (1) to (5), (7).
+/// What the axes of a pack make of what they move, in the frame that turns with it: (1) to (5)
+/// and (7).
 template <typename Pack, typename Axes, typename Bodies>
 DYNWITNESS_INLINE void columnsOf(Axes& a, const Bodies& b, int lane) {
   const Vec<Pack> z = a.z_w.template load<Pack>(lane), w_p = a.w_p.template load<Pack>(lane),

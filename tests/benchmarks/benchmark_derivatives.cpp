@@ -7,7 +7,6 @@
 #include "crosscheck/chart/raw_mujoco.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/lifted.hpp"
-#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/moving_state.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
@@ -17,6 +16,7 @@
 #include "scene/scene.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
+#include "tests/fixtures/lanes/many_derivatives.hpp"
 
 namespace dynwitness::benchmarks {
 namespace {

@@ -19,10 +19,12 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "recursive/fast/all_cores.hpp"
 #include "recursive/rounding_filter.hpp"
 #include "tests/benchmarks/benchmark_kernels.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
+#include "tests/fixtures/lanes/many_steps.hpp"
 
 namespace dynwitness::benchmarks {
 namespace {
@@ -192,30 +194,93 @@ void kernelOne(benchmark::State& run, const std::string& scene, Formula formula,
     run.counters["operations"] = kernel.road(formula).operations();
 }
 
-/// All states in one call by the general sweeps, state by state as NumPy lays them out.
+/// States one after the other, as NumPy lays them out.
+struct Rows {
+  Rows(const Arm& arm, Formula formula) : n(arm.setup.model.dof()), nq(arm.setup.model.positions) {
+    for (const std::vector<double>& x : positionsOf(arm)) q.insert(q.end(), x.begin(), x.end());
+    for (const scene::State<double>& s : arm.states) {
+      const std::vector<double>& third = formula == Formula::kForwardDynamics ? s.tau : s.qdd;
+      qd.insert(qd.end(), s.qd.begin(), s.qd.end());
+      w.insert(w.end(), third.begin(), third.end());
+    }
+    out.resize(static_cast<std::size_t>(n * n) * kStates);
+  }
+  recursive::fast::Strided<const double> positions() const { return {q.data(), nq}; }
+  recursive::fast::Strided<const double> rates() const { return {qd.data(), n}; }
+  recursive::fast::Strided<const double> given() const { return {w.data(), n}; }
+  recursive::fast::Strided<double> answers(int numbers) { return {out.data(), numbers}; }
+
+  int n, nq;
+  std::vector<double> q, qd, w, out;
+};
+
+/// All states in one call by the general sweeps.
 void fastMany(benchmark::State& run, const std::string& scene, Formula formula) {
   Arm arm(scene);
-  const int n = arm.setup.model.dof(), nq = arm.setup.model.positions;
-  std::vector<double> q, qd, w, out(static_cast<std::size_t>(n * n) * kStates);
-  for (const std::vector<double>& x : positionsOf(arm)) q.insert(q.end(), x.begin(), x.end());
-  for (const scene::State<double>& s : arm.states) {
-    const std::vector<double>& given = formula == Formula::kForwardDynamics ? s.tau : s.qdd;
-    qd.insert(qd.end(), s.qd.begin(), s.qd.end());
-    w.insert(w.end(), given.begin(), given.end());
-  }
+  Rows rows(arm, formula);
   recursive::fast::ManyStates many(arm.setup.model);
   for (auto _ : run) {
     if (formula == Formula::kMassMatrix)
-      many.massMatrix(kStates, {q.data(), nq}, {out.data(), n * n});
+      many.massMatrix(kStates, rows.positions(), rows.answers(rows.n * rows.n));
     else if (formula == Formula::kForwardDynamics)
-      many.forwardDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {w.data(), n}, {out.data(), n});
+      many.forwardDynamics(kStates, rows.positions(), rows.rates(), rows.given(),
+                           rows.answers(rows.n));
     else
-      many.inverseDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {w.data(), n}, {out.data(), n});
-    benchmark::DoNotOptimize(out.data());
+      many.inverseDynamics(kStates, rows.positions(), rows.rates(), rows.given(),
+                           rows.answers(rows.n));
+    benchmark::DoNotOptimize(rows.out.data());
     benchmark::ClobberMemory();
   }
   run.counters[kStatesCounter] = benchmark::Counter(kStates, benchmark::Counter::kAvgThreads);
   tellWork(run, arm.scene, arm.setup.model, kernel::name(formula), true);
+}
+
+/// The same on all cores, by threads that each call starts.
+void fastOnCores(benchmark::State& run, const std::string& scene, Formula formula, int cores) {
+  using recursive::fast::ManyStates;
+  Arm arm(scene);
+  Rows rows(arm, formula);
+  recursive::fast::AllCores<ManyStates> many(arm.setup.model, cores);
+  for (auto _ : run) {
+    if (formula == Formula::kMassMatrix)
+      many.ask(&ManyStates::massMatrix, kStates, rows.positions(), rows.answers(rows.n * rows.n));
+    else
+      many.ask(formula == Formula::kForwardDynamics ? &ManyStates::forwardDynamics
+                                                    : &ManyStates::inverseDynamics,
+               kStates, rows.positions(), rows.rates(), rows.given(), rows.answers(rows.n));
+    benchmark::DoNotOptimize(rows.out.data());
+    benchmark::ClobberMemory();
+  }
+  run.counters[kStatesCounter] = kStates;
+}
+
+/// M as the numbers that say all of it.
+void packedMany(benchmark::State& run, const std::string& scene) {
+  Arm arm(scene);
+  Rows rows(arm, Formula::kMassMatrix);
+  recursive::fast::ManyStates many(arm.setup.model);
+  const int numbers = static_cast<int>(many.packedEntries().size());
+  for (auto _ : run) {
+    many.packedMassMatrix(kStates, rows.positions(), rows.answers(numbers));
+    benchmark::DoNotOptimize(rows.out.data());
+    benchmark::ClobberMemory();
+  }
+  run.counters[kStatesCounter] = kStates;
+}
+
+/// Steps from all states: of no length, so that they stay what they are.
+void stepMany(benchmark::State& run, const std::string& scene,
+              recursive::fast::Integrator integrator) {
+  Arm arm(scene);
+  Rows rows(arm, Formula::kForwardDynamics);
+  recursive::fast::ManySteps many(arm.setup.model);
+  for (auto _ : run) {
+    many.step(kStates, integrator, 0, 1, {rows.q.data(), rows.nq}, {rows.qd.data(), rows.n},
+              rows.given());
+    benchmark::DoNotOptimize(rows.q.data());
+    benchmark::ClobberMemory();
+  }
+  run.counters[kStatesCounter] = kStates;
 }
 
 /// All states in one call, component by component. In several threads each has its own states.
@@ -393,6 +458,22 @@ void registerSweeps(BenchResult* result) {
         fast(run, scene, &kFastByOwn, f);
       });
   add(result, {"fast_lanes", fastLanesLabel(), true}, fastMany);
+  const int cores = availableProcessors();
+  for (benchmark::internal::Benchmark* b :
+       add(result, {"fast_all_cores", fmt::format("the same on {} cores, {}", cores, own), true},
+           fastOnCores, cores))
+    b->UseRealTime();
+  for (const char* scene : kScenes) {
+    using recursive::fast::Integrator;
+    for (const auto& [what, integrator] : {std::pair("step", Integrator::kSemiImplicitEuler),
+                                           {"RK4 step", Integrator::kRungeKutta4}})
+      benchmark::RegisterBenchmark(fmt::format("{}/{}/fast_lanes", scene, what).c_str(),
+                                   [=, integrator = integrator](benchmark::State& run) {
+                                     stepMany(run, scene, integrator);
+                                   });
+    benchmark::RegisterBenchmark(fmt::format("{}/packed M/fast_lanes", scene).c_str(),
+                                 [=](benchmark::State& run) { packedMany(run, scene); });
+  }
 #ifdef DYNWITNESS_SECOND_COMPILER
   add(result, {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true},
       [](benchmark::State& run, const std::string& scene, Formula f) {
@@ -410,7 +491,6 @@ void registerSweeps(BenchResult* result) {
     add(result, {std::string("kernel_lanes") + c.suffix, lanes + ", " + c.label, true}, kernelMany,
         c);
   if (compilers.empty()) return;
-  const int cores = availableProcessors();
   for (benchmark::internal::Benchmark* b :
        add(result,
            {"kernel_all_cores", fmt::format("the same on {} cores, {}", cores, compilers[0].label),

@@ -14,11 +14,11 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
-#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/many_states.hpp"
-#include "tests/fixtures/lanes/many_steps.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/all_cores.hpp"
+#include "tests/fixtures/lanes/many_derivatives.hpp"
+#include "tests/fixtures/lanes/many_steps.hpp"
 #include "tests/fixtures/scene_files.hpp"
 
 namespace {
@@ -144,8 +144,9 @@ BOOST_AUTO_TEST_CASE(steps_are_those_of_the_textbook_sweeps_in_long_double) {
   }
   BOOST_TEST(asked > 40);
   BOOST_TEST_MESSAGE("worst: " << worst[0] << " " << worst[1]);
-  BOOST_TEST(worst[0] <= 1e-12);
-  BOOST_TEST(worst[1] <= 1e-12);
+  // measured over all scenes: 2.1e-14 and 8.8e-15, of the same bits on every machine
+  BOOST_TEST(worst[0] <= 1e-13);
+  BOOST_TEST(worst[1] <= 1e-13);
 }
 
 BOOST_AUTO_TEST_CASE(every_width_and_every_place_gives_the_same_bits) {

@@ -99,8 +99,8 @@ BenchResult withMachine() {
   BenchResult r = sample();
   for (const Measurement& m : {Measurement{kOperation, kMachine, "unfused", "ns", 0.125},
                                {kOperation, kMachine, "fused", "ns", 0.1},
-                               {kReading, kMachine, "16 KiB", "ns", 0.025},
                                {kReading, kMachine, "1024 KiB", "ns", 0.25},
+                               {kReading, kMachine, "16 KiB", "ns", 0.025},
                                {kWriting, kMachine, "16 KiB", "ns", 0.125},
                                {kWriting, kMachine, "1024 KiB", "ns", 0.125},
                                {"ID", "arm", "fast", kOperationsWithSines, 250},

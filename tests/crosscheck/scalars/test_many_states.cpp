@@ -14,12 +14,12 @@
 
 #include <boost/test/unit_test.hpp>
 
-#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "crosscheck/scalars/many_states.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/derivatives.hpp"
 #include "recursive/fast/dynamics.hpp"
 #include "tests/fixtures/files.hpp"
+#include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "tests/fixtures/scene_files.hpp"
 
 using namespace dynwitness;
