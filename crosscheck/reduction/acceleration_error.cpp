@@ -270,8 +270,7 @@ class AccelerationErrors::Search {
         const double y = answers(static_cast<Index>(s));
         form(sources_[s].second, sources_[s].first) = y;
         if (sources_[s].first == sources_[s].second)
-          (*concave)(sources_[s].first) =
-              std::max((*concave)(sources_[s].first), std::abs(y));
+          (*concave)(sources_[s].first) = std::max((*concave)(sources_[s].first), std::abs(y));
       }
       for (Index j = 0; j < n_; ++j) {
         const double k = v(n_ + j);
@@ -317,7 +316,8 @@ class AccelerationErrors::Search {
     std::vector<VectorXd> first;
     std::vector<std::vector<VectorXd>> second;
   };
-  Slopes slopesOf(const std::vector<CornerAt>& corners, const Box& box, const VectorXd& mean) const {
+  Slopes slopesOf(const std::vector<CornerAt>& corners, const Box& box,
+                  const VectorXd& mean) const {
     const std::size_t m = box.q.size();
     const VectorXd none = VectorXd::Zero(2 * n_);
     Slopes out{mean, {}, std::vector<std::vector<VectorXd>>(m, std::vector<VectorXd>(m, none))};
@@ -351,22 +351,21 @@ class AccelerationErrors::Search {
     for (std::size_t bits = 0; bits < corners.size(); ++bits) {
       const Corner& c = *corners[bits];
       const std::size_t bit = std::size_t{1} << k;
-      const VectorXd v = c.vectors.col(i_),
-                     slope = (corners[bits | bit]->vectors.col(i_) -
-                              corners[bits & ~bit]->vectors.col(i_)) *
-                             (2 / width);
+      const VectorXd v = c.vectors.col(i_), slope = (corners[bits | bit]->vectors.col(i_) -
+                                                     corners[bits & ~bit]->vectors.col(i_)) *
+                                                    (2 / width);
       const auto first = c.values.col(o), second = c.values.col(o + m);
       const auto block = [this](const auto& column, Index b, Index count) {
         return Eigen::Map<const MatrixXd>(column.data() + b * n_ * n_, n_, count * n_);
       };
-      out(0) = std::max(out(0), (sources(first).transpose() * slope +
-                                 sources(second).transpose() * v)
-                                    .cwiseAbs()
-                                    .dot(most_));
+      out(0) =
+          std::max(out(0), (sources(first).transpose() * slope + sources(second).transpose() * v)
+                               .cwiseAbs()
+                               .dot(most_));
       out.segment(1, n_) = out.segment(1, n_).cwiseMax(
           (block(first, 0, 1) * slope.head(n_) + block(second, 0, 1) * v.head(n_)).cwiseAbs());
-      out.tail(n_) = out.tail(n_).cwiseMax(
-          (block(first, 1, 2) * slope + block(second, 1, 2) * v).cwiseAbs());
+      out.tail(n_) =
+          out.tail(n_).cwiseMax((block(first, 1, 2) * slope + block(second, 1, 2) * v).cwiseAbs());
     }
     return out;
   }
@@ -382,12 +381,12 @@ class AccelerationErrors::Search {
       const double w = half(box->q[k]);
       if (w == 0) continue;
       const std::size_t o = 1 + k, oo = o + m;
-      VectorXd between = curvature(corners, *box, k) +
-                         2 * (2 * lost_[o] * slopes.first[k] + lost_[oo] * mean);
+      VectorXd between =
+          curvature(corners, *box, k) + 2 * (2 * lost_[o] * slopes.first[k] + lost_[oo] * mean);
       for (std::size_t l = 0; l < m; ++l) {
         const double w2 = 0.5 * std::pow(half(box->q[l]), 2);
-        between += w2 * (beyond_[l][oo] * mean +
-                         (l == k ? 4 : 2) * (beyond_[l][o] * slopes.first[k]));
+        between +=
+            w2 * (beyond_[l][oo] * mean + (l == k ? 4 : 2) * (beyond_[l][o] * slopes.first[k]));
         if (l != k)
           between += w2 * (2 * (beyond_[k][1 + l] * slopes.first[l]) +
                            4 * (mixed_[k][l] * slopes.second[k][l]));

@@ -47,8 +47,7 @@ class AccelerationErrors {
                      const std::vector<scene::JointRanges>& ranges,
                      const std::vector<double>& accelerations);
   /// Of one model: of() bounds |qdd_i| by (3).
-  AccelerationErrors(const TrigonometricModel& model,
-                     const std::vector<scene::JointRanges>& ranges,
+  AccelerationErrors(const TrigonometricModel& model, const std::vector<scene::JointRanges>& ranges,
                      const std::vector<double>& accelerations);
   ~AccelerationErrors();
 

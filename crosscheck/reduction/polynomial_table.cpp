@@ -34,9 +34,8 @@ PolynomialTable::PolynomialTable(const TrigonometricModel& model,
   }
   for (int k = 0; k < model.dof; ++k)
     if (model.stiffness[static_cast<std::size_t>(k)].value() != 0 ||
-        std::any_of(digits_.begin(), digits_.end(), [k](const std::vector<int>& d) {
-          return d[static_cast<std::size_t>(k)] != 0;
-        }))
+        std::any_of(digits_.begin(), digits_.end(),
+                    [k](const std::vector<int>& d) { return d[static_cast<std::size_t>(k)] != 0; }))
       active_.push_back(k);
   coefficients_.resize(static_cast<Index>(all.size()), static_cast<Index>(digits_.size()));
   lost_.setZero(coefficients_.rows(), columns());
@@ -112,8 +111,7 @@ double PolynomialTable::factor(const std::vector<int>& digits,
   double product = 1;
   for (std::size_t k = 0; k < active_.size(); ++k) {
     const auto joint = static_cast<std::size_t>(active_[k]);
-    product *=
-        mostOfFactor(digits[joint], slides(active_[k]), ranges_[joint].q.most(), orders[k]);
+    product *= mostOfFactor(digits[joint], slides(active_[k]), ranges_[joint].q.most(), orders[k]);
   }
   return product;
 }
@@ -137,16 +135,15 @@ void PolynomialTable::bound() {
   mixed_.assign(m, std::vector<VectorXd>(m, none));
   for (const auto& [digits, squares] : groups) {
     const Eigen::SparseVector<double> roots = squares.cwiseSqrt() * (1 + kLost);
-    const auto addTo = [&roots = roots, &digits = digits, this](
-                           auto to, const std::vector<int>& orders) {
+    const auto addTo = [&roots = roots, &digits = digits, this](auto to,
+                                                                const std::vector<int>& orders) {
       const double by = factor(digits, orders);
       for (Eigen::SparseVector<double>::InnerIterator it(roots); it; ++it)
         to(it.index()) += by * it.value();
     };
     for (Index o = 0; o < columns(); ++o) {
       addTo(largest_.col(o), orders(o, -1));
-      for (std::size_t l = 0; l < m; ++l)
-        addTo(beyond_[l].col(o), orders(o, static_cast<int>(l)));
+      for (std::size_t l = 0; l < m; ++l) addTo(beyond_[l].col(o), orders(o, static_cast<int>(l)));
     }
     for (std::size_t l = 0; l < m; ++l)
       for (std::size_t k = 0; k < l; ++k) {
