@@ -362,8 +362,8 @@ class AccelerationSearch {
   EnvelopeState worst_;
 };
 
-/// Boxes of the first search, for each joint: measured, 300 leave puma_560's qdd 2.4 to 6 times
-/// what is seen, which the second one does not notice.
+/// Boxes of the first search, for each joint. What it finds is only put into the bounds of the
+/// second one, where it stands beside small numbers; few, since they come on top.
 constexpr int kFirstBoxes = 300;
 
 /// Two searches: by norms, which knows nothing, and by what that one has found of all joints.
