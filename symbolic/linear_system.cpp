@@ -343,7 +343,7 @@ void Steps::addEntries(const std::string& letter, const Matrix& nodes, bool is_s
 void Steps::matrices() {
   const Rows<Ex> M = expressions(M_);
   Step mass{"mass matrix there",
-            "M, and Delta = det M.",
+            n_ > 1 ? "M, and Delta = det M." : "M.",
             {},
             "M is symmetric, and M adj(M) = Delta",
             true};

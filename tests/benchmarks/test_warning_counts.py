@@ -20,7 +20,8 @@ CALLS = 20
 SWEEPS = ["fast_ID", "fast_M", "fast_FD", "sweep_ID", "sweep_FD", "solved_FD"]
 # As seen: 10.2, 13.7, 10.1 and 11.0 %. A whole sweep over one joint takes 817 to 1382 instructions, and the estimate's
 # calls, its one pass over the rates and its division 83 (tau) to 141 (qdd): registers saved and a handful of sums, which
-# are not fewer for one joint.
+# are not fewer for one joint. The rare road behind it in a function of its own, so that it takes no registers here, is 2
+# to 5 more.
 MORE_THAN_A_TENTH = {("simple_pendulum", "sweep_ID"): 0.105, ("simple_pendulum", "sweep_FD"): 0.14,
                      ("simple_pendulum", "solved_FD"): 0.105, ("double_pendulum", "solved_FD"): 0.115}
 

@@ -55,6 +55,7 @@ bool agree(const std::vector<CheckResult>& checks) {
 BOOST_DATA_TEST_CASE(letters_are_what_the_sweeps_say, data::make(letteredFiles()), file) {
   const scene::Scene scene = scene::readScene(file);
   for (const auto& [q, qd] : {std::pair(0.0, 0.0), {0.3, 0.0}, {0.3, 0.5}}) {
+    if (qd != 0 && scene.mechanism.dof() > 2) continue;  // 20 s of modern_robotics_3link alone
     const std::vector<CheckResult> checks =
         checkLettersExactly(scene, lettersAt(scene, q, qd, qd == 0));
     BOOST_TEST(checks.size() == 3u);
