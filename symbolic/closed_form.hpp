@@ -45,9 +45,8 @@ class ClosedAlgebra {
       alone. */
   Formula formula(const GiNaC::ex& x);
 
-  /** dividend / divisor, common factors divided out as far as they are polynomials in other letters
-      than cosines and sines, on which c^2 + s^2 = 1 is used first; signs are the divisor's, whose
-      first term is positive. The divisor is not 0.
+  /** dividend / divisor, c^2 + s^2 = 1 used first, then common factors divided out, with c and s
+      taken for letters; signs are the divisor's, whose first term is positive. Neither is 0.
       @return none: one of them has more than `most_terms` terms, and common factors are not
         looked for */
   std::optional<Formula> quotient(const GiNaC::ex& dividend, const GiNaC::ex& divisor,

@@ -11,8 +11,8 @@ namespace dynwitness::symbolic {
 
 /** What of a state is put in, exactly. What is not stays a letter: q_k, qd_k, qdd_k. */
 struct PutIn {
-  /// Of each position: the right angles [pi/2] that it is, 0 where it slides. A position of several
-  /// of them stays a letter where it stands outside of cosines and sines (springs).
+  /// Of each position: the right angles [pi/2] that it is, 0 where it slides. An angle other than 0
+  /// stays a letter where it stands outside of cosines and sines (springs).
   std::vector<std::optional<int>> right_angles;
   std::vector<bool> is_still;    ///< of each rate: qd_k = 0
   bool is_unaccelerated = true;  ///< qdd = 0
@@ -26,7 +26,8 @@ struct PutIn {
 PutIn putIn(const scene::Mechanism& mechanism, const std::vector<double>& q,
             const std::vector<double>& qd, bool is_unaccelerated, double near = 0);
 
-/** tau, M, K, D, A and B there, n joints. From the graph's derivatives of inverse dynamics and of T
+/** tau [N m, N], M [kg m^2, kg], K [N m/rad, N/m], D [N m s/rad, N s/m], n x n, A, 2n x 2n, and B,
+    2n x joints that are actuated. From the graph's derivatives of inverse dynamics and of T
 
         K_ij = d tau_i / dq_j,  D_ij = d tau_i / dqd_j     tau = M qdd + c + g - Q
         A = [0, 1; -M^-1 K, -M^-1 D],  B = [0; M^-1]

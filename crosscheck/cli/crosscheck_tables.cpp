@@ -129,7 +129,9 @@ void printRemarks(const SceneResult& scene) {
     fmt::print("\n{}: {}: {} {} ({}{}{}){}: {} (seed {})", scene.name, name(first.verdict),
                first.name(), first.quantity, first.left, first.right.empty() ? "" : " and ",
                first.right,
-               checks.size() > 1 ? fmt::format(" and {} more checks", checks.size() - 1) : "",
+               checks.size() == 1   ? ""
+               : checks.size() == 2 ? " and one more check"
+                                    : fmt::format(" and {} more checks", checks.size() - 1),
                reason, first.seed);
   }
   for (const auto& [reason, names] : refused_by)

@@ -205,11 +205,17 @@ int showLetters(const Arguments& arguments, const scene::Scene& scene, const Lin
     fmt::print("{}", text);
   else
     writeWholeFile(arguments.output, text);
-  const bool disagree = std::any_of(checks.begin(), checks.end(), [](const CheckResult& check) {
-    return check.verdict == Verdict::kDisagree;
-  });
+  bool disagree = false;
+  for (const CheckResult& check : checks) {
+    disagree = disagree || check.verdict == Verdict::kDisagree;
+    if (is_page && check.verdict != Verdict::kAgree)
+      tellFailure(
+          fmt::format("dynwitness: {}: {}: {}\n", check.name(), name(check.verdict), check.reason));
+  }
   if (!is_page) printFindings(checks);
-  if (disagree && is_page) tellFailure("dynwitness: the letters are not what the sweeps say\n");
+  if (arguments.options.has_no_forces && !at.rests)
+    tell(fmt::format("{}: it does not rest there: qdd are those that joint forces of 0 give\n",
+                     scene.name));
   if (!shown.holds()) tellFailure("dynwitness: a step of the derivation does not hold\n");
   if (!read.problem.empty())
     tellFailure(fmt::format("dynwitness: read back from what is printed: {}\n", read.problem));

@@ -224,12 +224,12 @@ class AccelerationErrors::Search {
     }
     const double lost = lostAt(mean);
     lost_most_ = std::max(lost_most_, lost);
+    const double rounded = weights_.dot(residual + 4 * lost_[0] * mean);
     for (std::size_t bits = 0; bits < count; ++bits) {
       for (std::size_t k = 0; k < m; ++k)
         q[k] = (bits >> k & 1) != 0 ? box->q[k].high : box->q[k].low;
-      largest = std::max(largest, largestAt(*corners[bits], q, *box, lost, &concave));
+      largest = std::max(largest, largestAt(*corners[bits], q, *box, lost + rounded, &concave));
     }
-    const double rounded = weights_.dot(residual + 4 * lost_[0] * mean);
     addBetween(corners, mean, concave, largest + lost + rounded, box);
   }
 
@@ -245,6 +245,7 @@ class AccelerationErrors::Search {
     return out;
   }
 
+  /// Parted where it is widest, in rad or m.
   void haveNoBound(Box* box) const {
     box->bound = HUGE_VAL;
     box->split = -1;
@@ -400,6 +401,7 @@ class AccelerationErrors::Search {
       adds(static_cast<Index>(m) + a) =
           std::pow(half(box->qd[static_cast<std::size_t>(a)]), 2) * concave(a);
     box->bound = (largest + adds.sum() + rounded) * (1 + kLost);
+    if (!(box->bound >= 0)) return haveNoBound(box);  // inf times 0 is none
     Index most = 0;
     box->split = adds.maxCoeff(&most) > 0 ? static_cast<int>(most) : -1;
   }

@@ -22,16 +22,17 @@ namespace dynwitness::crosscheck {
 
     At the corners of a box in q, l is row i of M_r^-1 and k = (M_r^-1 - M^-1) u_i, so that both
     brackets are 0; between corners l and k are interpolated, linearly in each joint, and everything
-    in (2) but e and qdd is a product of these and of polynomials: its second derivatives are known
+    in (2) but e, qdd, tau and friction is a product of these and of polynomials: its second derivatives are known
     at corners, sign by sign, and between them by the fourth. So a bracket is of second order in the
     widths, entry by entry, and what it is multiplied by may be bounded generously. Of tau nothing
     else is lost: (2) is linear in it, and k has no second derivative.
 
-    |qdd_j| is what the caller knows of it, |e_j| what he asks for: if the bounds of all i by (2),
-    over boxes that cover the envelope, are at most the |e_j| that were put into them, these hold.
-    For let E be the largest |e_i(q, qd, tau)| / |e_i| asked for, at some q; (2) there says
-    E <= C + E P with C + P <= 1, P < 1 the share that e has in it. Where P < 1 for all i, M_r has
-    an inverse: 1 - (u_i - M_r l)_i is dominant in its diagonal.
+    |qdd_j| is what the caller knows of it, |e_j| > 0 what is asked for: if the bounds of all i by
+    (2), over boxes that cover the envelope, are at most the |e_j| that were put into them, these
+    hold. At one state let row i of N be (M_r l_i)'. By (2) the rest 1 - N takes all |x_j| <= |e_j|
+    to |x_i| <= P_i |e_i|, and P_i < 1, since C_i + P_i <= 1 with C_i > 0 the share of all else (it
+    holds roundings at least). So N, and with it M_r, has an inverse, and e is finite. For
+    E = max |e_i(q, qd, tau)| / |e_i| asked for, taken at i, then E <= C_i + E P_i, so that E <= 1.
 
     Of one model |qdd_i| is bounded in the same way, by
 
@@ -52,8 +53,9 @@ class AccelerationErrors {
   ~AccelerationErrors();
 
   /** By (2) or (3), `sampled` is what was seen at a corner less its roundings.
-      @param within  |e_j| that are asked for, or known; of (3) no matter
-      @param decide  as boundOfParts() */
+      @param within  |e_j| that are asked for, or known, all > 0; ignored by (3)
+      @param decide  as boundOfParts()
+      @return by (2), `certified` is a bound if all i stay within `within`, and else none */
   EnvelopeBound of(int i, const std::vector<double>& within, const EnvelopeOptions& options,
                    double decide);
 

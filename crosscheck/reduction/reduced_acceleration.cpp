@@ -159,6 +159,7 @@ class AccelerationReducer {
     EnvelopeOptions options;
     options.boxes = kBoxes;
     for (const std::size_t i : order) {
+      if (!(limits[i] > 0)) return {};  // what is proven needs room: 0 keeps the scene
       bounds[i] = errors->of(static_cast<int>(i), limits, options, limits[i]).certified;
       if (!(bounds[i] <= limits[i])) return {};
     }

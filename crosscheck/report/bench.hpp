@@ -21,8 +21,8 @@ inline constexpr const char* kTimesMujoco = "times MuJoCo";
 
 /// What the machine itself does, measured in the same run: nanoseconds an operation, by kind of
 /// instruction, and a byte, by size of an array ("16 KiB").
-inline constexpr const char *kMachine = "machine", *kOperation = "operation", *kReading = "reading",
-                            *kWriting = "writing";
+inline constexpr const char *kMachine = "machine", *kOperation = "operation",
+                            *kMemoryRead = "reading", *kMemoryWritten = "writing";
 // what a contender does for one state; the last: what lies there in all, of all states
 inline constexpr const char *kOperationsWithSines = "operations with sines",
                             *kBytesRead = "bytes read", *kBytesWritten = "bytes written",

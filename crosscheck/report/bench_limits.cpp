@@ -50,12 +50,14 @@ std::optional<Limit> limitOf(const BenchResult& result, const std::string& what,
   if (!ns || !operations || !per_operation) return std::nullopt;
   Limit limit{*operations * *per_operation, "operations"};
   const double extent = result.value(what, subject, by, kBytesAtHand).value_or(0);
-  for (const auto& [unit, way] : {std::pair(kBytesRead, kReading), {kBytesWritten, kWriting}}) {
+  for (const auto& [unit, way] :
+       {std::pair(kBytesRead, kMemoryRead), {kBytesWritten, kMemoryWritten}}) {
     const auto bytes = result.value(what, subject, by, unit),
                per_byte = perByte(result, way, extent);
     if (!bytes || !per_byte) return std::nullopt;
     if (*bytes * *per_byte > limit.ns) limit = {*bytes * *per_byte, way};
   }
+  if (!(limit.ns > 0)) return std::nullopt;  // nothing is done, which takes no time
   limit.times = *ns / limit.ns;
   return limit;
 }
@@ -66,7 +68,7 @@ std::string machineText(const BenchResult& result) {
     if (m.subject == kMachine && m.what == kOperation)
       text +=
           fmt::format("{}{:.3g} GFLOP/s {}", text.empty() ? "one core: " : ", ", 1 / m.value, m.by);
-  for (const char* way : {kReading, kWriting}) {
+  for (const char* way : {kMemoryRead, kMemoryWritten}) {
     std::string sizes;
     for (const auto& [size, m] : bySize(result, way))
       sizes += fmt::format("{}{:.3g} GB/s of {}", sizes.empty() ? "" : ", ", 1 / m->value, m->by);

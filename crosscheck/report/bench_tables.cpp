@@ -96,7 +96,7 @@ std::string verdictWords(const GoalVerdict& verdict) {
                                                  : verdict.word();
 }
 
-/// "19.2 ns of operations"
+/// "19.2 ns operations"
 std::string limitWords(const GoalVerdict& verdict) {
   return verdict.limit ? fmt::format("{} ns {}", figure(verdict.limit->ns), verdict.limit->of)
                        : "-";

@@ -416,7 +416,7 @@ std::string CrosscheckResult::headline() const {
     case RunVerdict::kAgree:
       line += comparedNowhere().empty()
                   ? "all agree"
-                  : "all of them agree, but none is of " + shortened(comparedNowhere(), 4);
+                  : "all agree; not compared at all: " + shortened(comparedNowhere(), 4);
       break;
     case RunVerdict::kNotAnswerable:
       line += "nothing could be answered";

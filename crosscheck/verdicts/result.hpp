@@ -186,7 +186,7 @@ struct Coverage {
 
   long missing() const { return voided - excused; }
   bool isThin() const { return 10 * missing() > asked - excused; }
-  bool isNowhere() const { return voided == asked; }
+  bool isNowhere() const { return asked > 0 && voided == asked; }  ///< for whatever reason
 };
 /// By quantity, in the order of the checks.
 std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <exception>
 #include <thread>
 #include <type_traits>
 #include <vector>
@@ -12,13 +13,13 @@
 
 namespace dynwitness::recursive::fast {
 
-/** ManyStates, ManyDerivatives or ManySteps, an object a thread; states in as many parts of equal
-    length, whose answers do not depend on how many there are:
+/** ManyStates, ManyDerivatives or ManySteps, an object a thread; states in as many parts, equal up
+    to a vector, whose answers do not depend on how many there are:
 
         AllCores<ManyStates> arms(model);
         arms.ask(&ManyStates::inverseDynamics, states, q, qd, qdd, tau);
 
-    A call starts threads, some 20 us each, and waits for them; nothing else allocates. */
+    A call starts threads, which allocate, and waits for them; else it allocates what `Many` does. */
 template <typename Many>
 class AllCores {
  public:
@@ -33,23 +34,38 @@ class AllCores {
   int threads() const { return static_cast<int>(parts_.size()); }
 
   /// Asks a member function, whose first argument is the number of states, with the same others;
-  /// arrays (Strided) begin where a part does.
-  template <typename... Parameters, typename... Arguments>
+  /// arrays (Strided) begin where a part does. A part that no thread is to be had for is done here.
+  /// @throws  what the first part that failed has thrown, when all have ended
+  template <typename... Parameters>
   void ask(void (Many::*question)(std::size_t, Parameters...), std::size_t states,
-           const Arguments&... arguments) {
+           const std::common_type_t<Parameters>&... arguments) {
     // whole vectors, so that only the last part has lanes to spare
     const auto width = static_cast<std::size_t>(parts_[0].width());
     const std::size_t vectors = (states + width - 1) / width, parts = parts_.size();
     const auto begin = [&](std::size_t k) { return std::min(states, vectors * k / parts * width); };
-    const auto part = [&](std::size_t k) {
+    failed_.assign(parts, nullptr);
+    const auto part = [&](std::size_t k) noexcept {
       const std::size_t first = begin(k), count = begin(k + 1) - first;
-      if (count > 0) (parts_[k].*question)(count, from(first, Parameters(arguments))...);
+      if (count == 0) return;
+      try {
+        (parts_[k].*question)(count, from(first, arguments)...);
+      } catch (...) {
+        failed_[k] = std::current_exception();
+      }
     };
-    for (std::size_t k = 1; k < parts; ++k)
-      if (begin(k + 1) > begin(k)) running_.emplace_back(part, k);
+    for (std::size_t k = 1; k < parts; ++k) {
+      if (begin(k + 1) == begin(k)) continue;
+      try {
+        running_.emplace_back(part, k);
+      } catch (const std::exception&) {
+        part(k);
+      }
+    }
     part(0);
     for (std::thread& thread : running_) thread.join();
     running_.clear();
+    for (const std::exception_ptr& failed : failed_)
+      if (failed) std::rethrow_exception(failed);
   }
 
  private:
@@ -64,6 +80,7 @@ class AllCores {
 
   std::vector<Many> parts_;
   std::vector<std::thread> running_;
+  std::vector<std::exception_ptr> failed_;
 };
 
 }  // namespace dynwitness::recursive::fast

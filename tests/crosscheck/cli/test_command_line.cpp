@@ -483,7 +483,7 @@ BOOST_AUTO_TEST_CASE(a_state_is_given_by_place_by_name_and_in_the_scenes_paramet
   refuses(program, "linearize kapitza_pendulum --symbolic", "what else ties joints");
   refuses(program, "linearize acrobot --symbolic --json a.json", "--json");
   refuses(program, "linearize acrobot --format latex", "are for --symbolic");
-  const fixtures::Outcome letters =
+  const Outcome letters =
       program.run("linearize double_pendulum --symbolic --equilibrium --q 3,0.1");
   BOOST_TEST(letters.status == 0, letters.out);  // Newton's steps end at pi but for rounding
   BOOST_TEST(letters.out.find("At q1 = pi, q2 = 0, qd = 0, qdd = 0") != std::string::npos,

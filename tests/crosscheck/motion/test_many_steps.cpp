@@ -2,6 +2,7 @@
 // Steps of time in lanes, and states shared out to threads. Expected by another road: textbook
 // sweeps in long double, moved by crosscheck/motion's and Boost.odeint's steps.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -22,7 +23,7 @@
 #include "tests/fixtures/scene_files.hpp"
 
 namespace {
-long allocations = 0;
+std::atomic<long> allocations{0};  // threads count, too
 }
 
 // not inline: g++ 12 would see malloc and delete side by side and warn that they do not match
@@ -96,7 +97,8 @@ struct Start {
 };
 
 bool sameBits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return std::memcmp(&x, &y, sizeof x) == 0; });
 }
 
 bool isPlanned(const scene::Scene& scene) {
@@ -106,11 +108,14 @@ bool isPlanned(const scene::Scene& scene) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(steps_are_those_of_the_textbook_sweeps_in_long_double) {
-  int asked = 0;
+  std::size_t asked = 0, refused = 0;
   double worst[2] = {0, 0};
   for (const std::string& file : sceneFiles()) {
     const scene::Scene scene = scene::readScene(file);
-    if (!isPlanned(scene)) continue;
+    if (!isPlanned(scene)) {
+      ++refused;
+      continue;
+    }
     Start start(scene, 5);
     std::fill(start.tau.begin(), start.tau.end(), 0.0);  // TreeMotion knows no joint forces
     crosscheck::TreeMotion<long double> motion(scene.mechanism);
@@ -142,11 +147,27 @@ BOOST_AUTO_TEST_CASE(steps_are_those_of_the_textbook_sweeps_in_long_double) {
     }
     ++asked;
   }
-  BOOST_TEST(asked > 40);
-  BOOST_TEST_MESSAGE("worst: " << worst[0] << " " << worst[1]);
-  // measured over all scenes: 2.1e-14 and 8.8e-15, of the same bits on every machine
+  BOOST_TEST(asked + refused == sceneFiles().size());
+  // measured on x86-64, over all scenes: 2.1e-14 and 8.8e-15, of which M^-1 makes the most; sines
+  // of other libraries may double it
   BOOST_TEST(worst[0] <= 1e-13);
   BOOST_TEST(worst[1] <= 1e-13);
+}
+
+// TreeMotion knows no joint forces: here they are drawn, and expected is one rate after the other
+BOOST_AUTO_TEST_CASE(joint_forces_are_in_each_step) {
+  const Start start(scene::findScene("franka_panda"), 5);
+  const std::vector<double> moved = start.moved(widestVectors(), Integrator::kSemiImplicitEuler, 1);
+  std::vector<double> qdd(start.qd.size());
+  ManyStates(start.model)
+      .forwardDynamics(start.count(), {start.q.data(), start.nq}, {start.qd.data(), start.n},
+                       {start.tau.data(), start.n}, {qdd.data(), start.n});
+  for (std::size_t k = 0; k < qdd.size(); ++k) {
+    const double expected = start.qd[k] + kStep * qdd[k];
+    // two roundings, or one where they are fused
+    BOOST_TEST(std::abs(moved[start.q.size() + k] - expected) <=
+               0x1p-52 * (std::abs(start.qd[k]) + std::abs(kStep * qdd[k])));
+  }
 }
 
 BOOST_AUTO_TEST_CASE(every_width_and_every_place_gives_the_same_bits) {
@@ -202,31 +223,32 @@ BOOST_AUTO_TEST_CASE(threads_change_no_bit) {
           tau{start.tau.data(), n};
       const auto room = [&](int numbers) { return std::vector<double>(states * numbers, -1); };
       std::vector<double> expected_qdd = room(n), expected_M = room(nn), expected_by_q = room(nn),
-                          by_qd = room(nn), by_tau = room(nn);
+                          expected_by_qd = room(nn), expected_by_tau = room(nn);
       ManyStates(start.model).forwardDynamics(states, q, qd, tau, {expected_qdd.data(), n});
       ManyStates(start.model).massMatrix(states, q, {expected_M.data(), nn});
       ManyDerivatives(start.model)
-          .forwardDynamics(states, q, qd, tau, {expected_by_q.data(), nn}, {by_qd.data(), nn},
-                           {by_tau.data(), nn});
+          .forwardDynamics(states, q, qd, tau, {expected_by_q.data(), nn},
+                           {expected_by_qd.data(), nn}, {expected_by_tau.data(), nn});
       for (const int threads : {1, 2, 3, 7}) {
         BOOST_TEST_CONTEXT(name << ", states " << count << ", threads " << threads) {
-          std::vector<double> qdd = room(n), M = room(nn), by_q = room(nn);
+          std::vector<double> qdd = room(n), M = room(nn), by_q = room(nn), by_qd = room(nn),
+                              by_tau = room(nn);
           AllCores<ManyStates> many(start.model, threads);
           BOOST_TEST(many.threads() == threads);
-          many.ask(&ManyStates::forwardDynamics, states, q, qd, tau,
-                   Strided<double>{qdd.data(), n});
-          many.ask(&ManyStates::massMatrix, states, q, Strided<double>{M.data(), nn});
+          many.ask(&ManyStates::forwardDynamics, states, q, qd, tau, {qdd.data(), n});
+          many.ask(&ManyStates::massMatrix, states, q, {M.data(), nn});
           AllCores<ManyDerivatives>(start.model, threads)
-              .ask(&ManyDerivatives::forwardDynamics, states, q, qd, tau,
-                   Strided<double>{by_q.data(), nn}, Strided<double>{by_qd.data(), nn},
-                   Strided<double>{by_tau.data(), nn});
+              .ask(&ManyDerivatives::forwardDynamics, states, q, qd, tau, {by_q.data(), nn},
+                   {by_qd.data(), nn}, {by_tau.data(), nn});
           BOOST_TEST(sameBits(qdd, expected_qdd));
           BOOST_TEST(sameBits(M, expected_M));
           BOOST_TEST(sameBits(by_q, expected_by_q));
+          BOOST_TEST(sameBits(by_qd, expected_by_qd));
+          BOOST_TEST(sameBits(by_tau, expected_by_tau));
           std::vector<double> q_to = start.q, qd_to = start.qd;
           AllCores<ManySteps>(start.model, threads)
               .ask(&ManySteps::step, states, Integrator::kRungeKutta4, kStep, 2,
-                   Strided<double>{q_to.data(), start.nq}, Strided<double>{qd_to.data(), n}, tau);
+                   {q_to.data(), start.nq}, {qd_to.data(), n}, tau);
           q_to.insert(q_to.end(), qd_to.begin(), qd_to.end());
           BOOST_TEST(sameBits(q_to, start.moved(widestVectors(), Integrator::kRungeKutta4, 2)));
         }
@@ -246,10 +268,13 @@ BOOST_AUTO_TEST_CASE(nothing_allocates) {
     ManyStates many(start.model, width);
     ManyDerivatives derivatives(start.model, width);
     ManySteps steps(start.model, width);
-    many.massMatrix(states, q, {one.data(), nn});  // takes its room the first time
+    const int size = static_cast<int>(many.packedEntries().size());
+    many.massMatrix(states, q, {one.data(), nn});  // both take their room the first time
+    many.packedMassMatrix(states, q, {one.data(), size});
     const long before = allocations;
     many.inverseDynamics(states, q, qd, tau, {one.data(), n});
     many.massMatrix(states, q, {one.data(), nn});
+    many.packedMassMatrix(states, q, {one.data(), size});
     many.forwardDynamics(states, q, qd, tau, {one.data(), n});
     derivatives.inverseDynamics(states, q, qd, tau, {one.data(), nn}, {two.data(), nn},
                                 {three.data(), nn});

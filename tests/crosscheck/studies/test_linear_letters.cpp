@@ -4,7 +4,9 @@
 #include "crosscheck/studies/linear_letters.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 #include <boost/test/data/monomorphic.hpp>
@@ -54,17 +56,24 @@ bool agree(const std::vector<CheckResult>& checks) {
 
 BOOST_DATA_TEST_CASE(letters_are_what_the_sweeps_say, data::make(letteredFiles()), file) {
   const scene::Scene scene = scene::readScene(file);
-  for (const auto& [q, qd] : {std::pair(0.0, 0.0), {0.3, 0.0}, {0.3, 0.5}}) {
+  const double right_angle = std::acos(0.0);
+  for (const auto& [q, qd] : {std::pair(0.0, 0.0), {right_angle, 0.0}, {0.3, 0.0}, {0.3, 0.5}}) {
     if (qd != 0 && scene.mechanism.dof() > 2) continue;  // 20 s of modern_robotics_3link alone
-    const std::vector<CheckResult> checks =
-        checkLettersExactly(scene, lettersAt(scene, q, qd, qd == 0));
+    std::vector<CheckResult> checks;
+    try {
+      checks = checkLettersExactly(scene, lettersAt(scene, q, qd, qd == 0));
+    } catch (const std::domain_error&) {
+      // M may be singular where an angle is a right one
+      BOOST_TEST(q == right_angle);
+      continue;
+    }
     BOOST_TEST(checks.size() == 3u);
     for (const CheckResult& check : checks)
       BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
   }
 }
 
-// Each entry of A and B with its sign turned, a parameter put into it, or the state of another one.
+// Each entry of A and B with its sign turned, or the state of another one.
 BOOST_AUTO_TEST_CASE(wrong_letters_are_noticed) {
   const scene::Scene scene = scene::findScene("acrobot");
   const symbolic::LinearSystem right = lettersAt(scene, 0.3, 0.5, false);
