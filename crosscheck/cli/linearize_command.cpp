@@ -196,7 +196,11 @@ int showLetters(const Arguments& arguments, const scene::Scene& scene, const Lin
   const symbolic::Style style = styleOf(arguments.format);
   DocumentParts parts;
   parts.summary = "Motion near a state to first order, derived from kinetic and potential energy.";
-  const std::string text = derivationDocument(scene, shown, style, parts);
+  scene::Scene drawn = scene;  // where it is linearized
+  drawn.start_q.clear();
+  for (const double q : at.q)
+    drawn.start_q.push_back(scene::Number::parse(fmt::format("{}", q == 0 ? 0.0 : q)));
+  const std::string text = derivationDocument(drawn, shown, style, parts);
   const symbolic::ReadBack read = symbolic::readBack(shown, text, style);
   const std::vector<CheckResult> checks = checkLettersExactly(scene, letters);
   progress.reset();
