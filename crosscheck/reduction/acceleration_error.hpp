@@ -22,10 +22,10 @@ namespace dynwitness::crosscheck {
 
     At the corners of a box in q, l is row i of M_r^-1 and k = (M_r^-1 - M^-1) u_i, so that both
     brackets are 0; between corners l and k are interpolated, linearly in each joint, and everything
-    in (2) but e, qdd, tau and friction is a product of these and of polynomials: its second derivatives are known
-    at corners, sign by sign, and between them by the fourth. So a bracket is of second order in the
-    widths, entry by entry, and what it is multiplied by may be bounded generously. Of tau nothing
-    else is lost: (2) is linear in it, and k has no second derivative.
+    in (2) but e, qdd, tau and friction is a product of these and of polynomials: its second
+    derivatives are known at corners, sign by sign, and between them by the fourth. So a bracket is
+    of second order in the widths, entry by entry, and what it is multiplied by may be bounded
+    generously. Of tau nothing else is lost: (2) is linear in it, and k has no second derivative.
 
     |qdd_j| is what the caller knows of it, |e_j| > 0 what is asked for: if the bounds of all i by
     (2), over boxes that cover the envelope, are at most the |e_j| that were put into them, these

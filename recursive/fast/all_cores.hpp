@@ -19,7 +19,7 @@ namespace dynwitness::recursive::fast {
         AllCores<ManyStates> arms(model);
         arms.ask(&ManyStates::inverseDynamics, states, q, qd, qdd, tau);
 
-    A call starts threads, which allocate, and waits for them; else it allocates what `Many` does. */
+    A call starts threads, which allocate, and waits for them; else only `Many` may allocate. */
 template <typename Many>
 class AllCores {
  public:
