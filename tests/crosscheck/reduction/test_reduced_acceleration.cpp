@@ -153,6 +153,13 @@ BOOST_AUTO_TEST_CASE(less_than_is_seen_is_not_granted_for_being_asked) {
     }
     BOOST_TEST(!is_granted, share);
   }
+  // between the corners of a wide box the bracket of e is not 0: what is asked of all joints counts
+  EnvelopeOptions one_box;
+  one_box.boxes = 1;
+  const auto bound = [&](int i, double e) {
+    return errors.of(i, std::vector<double>(3, e), one_box, -1).certified;
+  };
+  for (int i = 0; i < 3; ++i) BOOST_TEST(bound(i, 1e6) > 2 * bound(i, 1));
 }
 
 // Nothing turns with scara's last joint but its flange.
