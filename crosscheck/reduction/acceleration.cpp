@@ -6,8 +6,8 @@
 #include <map>
 #include <memory>
 
+#include "crosscheck/reduction/acceleration_boxes.hpp"
 #include "crosscheck/reduction/acceleration_error.hpp"
-#include "crosscheck/reduction/boxes.hpp"
 #include "crosscheck/reduction/corners.hpp"
 #include "crosscheck/reduction/polynomial_table.hpp"
 
@@ -59,42 +59,20 @@ struct Corner {
   VectorXd relative;    ///< of M' and M'', by column of the table
 };
 
-class AccelerationSearch {
+class AccelerationSearch : AccelerationBoxes {
  public:
   AccelerationSearch(const TrigonometricModel& model, const std::vector<JointRanges>& ranges)
-      : model_(model), ranges_(&ranges), n_(model.dof), table_(model, ranges, listed()) {}
+      : AccelerationBoxes(model, ranges), table_(model, ranges, listed()) {}
 
   /// Of |qdd_i|; the rest as BoundedQuantity::over().
   EnvelopeBound over(int i, const std::vector<JointRanges>& box, const EnvelopeOptions& options,
                      double decide) {
     if (i != i_) corners_ = CornersKnown<Corner>(kMostCorners);  // they are of one joint
-    i_ = i;
     ranges_ = &box;
-    seen_ = lost_ = 0;
-    worst_ = {};
-    Box whole;
-    for (const int k : table_.active()) whole.q.push_back(at(k).q);
-    for (Index r = 0; r < n_; ++r) whole.qd.push_back(at(r).qd);
-    const BoxesSeen seen = bestFirst(
-        whole, options.boxes, [&](Box* box) { judge(box); },
-        [&](double bound) {
-          return decide < 0 ? bound <= options.ratio * seen_ : bound <= decide || seen_ > decide;
-        });
-    EnvelopeBound out;
-    out.quantity = {EnvelopeQuantity::Kind::kQdd, i, 0};
-    out.certified = seen.bound;
-    out.sampled = seen_;
-    out.boxes = seen.count;
-    out.worst = worst_;
-    out.lost = lost_;
-    return out;
+    return search(i, table_.active(), options, decide, [&](Box* part) { judge(part); });
   }
 
  private:
-  const JointRanges& at(Index k) const { return (*ranges_)[static_cast<std::size_t>(k)]; }
-  const RunningError& of(const std::vector<RunningError>& v, Index k) const {
-    return v[static_cast<std::size_t>(k)];
-  }
   /// The largest of viscous and dry friction at a joint.
   double mostOfFriction(Index j, const Range& qd) const {
     return most(of(model_.viscous, j)) * qd.most() +
@@ -263,55 +241,24 @@ class AccelerationSearch {
   /// The largest of sign qdd_i at a corner in q, roundings included.
   double largestAt(const Corner& at_q, const std::vector<double>& q, const Box& box, int sign) {
     MatrixXd form = MatrixXd::Zero(n_, n_);
-    VectorXd linear(n_);
-    double lost = at_q.answers(0).bound(), value = -sign * at_q.answers(0).value();
+    double lost = at_q.answers(0).bound();
     for (std::size_t s = 1; s < sources_.size(); ++s) {
       const RunningError& y = at_q.answers(static_cast<Index>(s));
       lost += y.bound() * mostOf(sources_[s]);
       form(sources_[s].b, sources_[s].a) = -y.value();
     }
-    double dry = 0;
-    linear.setZero();
+    VectorXd row(n_);
     for (Index j = 0; j < n_; ++j) {
-      const double r = at_q.row(j).value();
-      const RunningError viscous = at_q.row(j) * of(model_.viscous, j);
-      linear(j) = -viscous.value();
-      value += std::max(sign * r * at(j).tau->low, sign * r * at(j).tau->high);
-      dry += largestDryFriction(box.qd[static_cast<std::size_t>(j)],
-                                -r * of(model_.positive, j).value(),
-                                -r * of(model_.negative, j).value(), sign);
+      row(j) = at_q.row(j).value();
       lost += at_q.row(j).bound() * (at(j).tau->most() + mostOfFriction(j, at(j).qd)) +
-              std::abs(r) * (of(model_.positive, j).bound() + of(model_.negative, j).bound()) +
-              viscous.bound() * at(j).qd.most();
+              std::abs(row(j)) * (of(model_.positive, j).bound() + of(model_.negative, j).bound()) +
+              (at_q.row(j) * of(model_.viscous, j)).bound() * at(j).qd.most();
     }
-    std::vector<double> qd;
-    value += largestAtRates(form, linear, box.qd, sign, &qd);
-    lost = (lost + kLost * std::abs(value)) * (1 + kLost);
-    lost_ = std::max(lost_, lost);
-    remember(at_q, q, qd, sign, value - lost);
-    return value + dry + lost;
-  }
-
-  /// @param value  without dry friction: that is put in by its sign here
-  void remember(const Corner& at_q, const std::vector<double>& q, const std::vector<double>& qd,
-                int sign, double value) {
-    for (Index j = 0; j < n_; ++j) {
-      const double rate = qd[static_cast<std::size_t>(j)];
-      const double dry = rate > 0   ? of(model_.positive, j).value()
-                         : rate < 0 ? -of(model_.negative, j).value()
-                                    : 0;
-      value -= sign * at_q.row(j).value() * dry;
-    }
-    if (!(value > seen_)) return;
-    seen_ = value;
-    worst_ = {};
-    worst_.qd = qd;
-    for (Index k = 0; k < n_; ++k) {
-      worst_.q.push_back(at(k).q.low);
-      worst_.tau.push_back(sign * at_q.row(k).value() >= 0 ? at(k).tau->high : at(k).tau->low);
-    }
-    for (std::size_t k = 0; k < q.size(); ++k)
-      worst_.q[static_cast<std::size_t>(table_.active()[k])] = q[k];
+    const Largest of_sign = largest(row, -at_q.answers(0).value(), form, box, sign);
+    lost = (lost + kLost * std::abs(of_sign.value)) * (1 + kLost);
+    lost_most_ = std::max(lost_most_, lost);
+    remember(row, q, of_sign.qd, sign, of_sign.value - lost);
+    return of_sign.value + of_sign.dry + lost;
   }
 
   /// What lies between the corners, by variable: (2).
@@ -352,14 +299,9 @@ class AccelerationSearch {
            box.qd[static_cast<std::size_t>(s.b)].most();
   }
 
-  const TrigonometricModel& model_;
-  const std::vector<JointRanges>* ranges_;  ///< all of them, then those of one box within
-  Index i_ = 0, n_;
   std::vector<Source> sources_;
   PolynomialTable table_;
   CornersKnown<Corner> corners_{kMostCorners};
-  double seen_ = 0, lost_ = 0;
-  EnvelopeState worst_;
 };
 
 /// Boxes of the first search, for each joint. What it finds is only put into the bounds of the

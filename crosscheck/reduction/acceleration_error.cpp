@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "crosscheck/reduction/boxes.hpp"
+#include "crosscheck/reduction/acceleration_boxes.hpp"
 #include "crosscheck/reduction/corners.hpp"
 #include "crosscheck/reduction/polynomial_table.hpp"
 #include "crosscheck/reduction/reduced_acceleration.hpp"
@@ -34,19 +34,17 @@ struct Corner {
 
 }  // namespace
 
-class AccelerationErrors::Search {
+class AccelerationErrors::Search : AccelerationBoxes {
  public:
   /// @param reduced  null: (3)
   Search(const TrigonometricModel& full, const TrigonometricModel* reduced,
          const std::vector<JointRanges>& ranges, const std::vector<double>& accelerations)
-      : full_(full),
+      : AccelerationBoxes(full, ranges),
         is_of_two_(reduced != nullptr),
         reduced_(reduced ? *reduced : without(full)),
         off_(reduced ? difference(*reduced, full) : without(full)),
-        ranges_(ranges),
         accelerations_(Eigen::Map<const VectorXd>(accelerations.data(),
                                                   static_cast<Index>(accelerations.size()))),
-        n_(full.dof),
         table_(full, ranges, listed()) {
     const auto m = static_cast<std::size_t>(table_.active().size());
     for (Index o = 0; o < table_.columns(); ++o) {
@@ -66,36 +64,13 @@ class AccelerationErrors::Search {
 
   EnvelopeBound over(int i, const std::vector<double>& within, const EnvelopeOptions& options,
                      double decide) {
-    i_ = i;
     weights_.resize(1 + 2 * n_);  // of (3) the second rows are 0
     weights_ << 1, Eigen::Map<const VectorXd>(within.data(), n_), accelerations_;
-    seen_ = lost_most_ = 0;
-    worst_ = {};
-    Box whole;
-    for (const int k : table_.active()) whole.q.push_back(at(k).q);
-    for (Index r = 0; r < n_; ++r) whole.qd.push_back(at(r).qd);
-    const BoxesSeen seen = bestFirst(
-        whole, options.boxes, [&](Box* box) { judge(box); },
-        [&](double bound) {
-          return decide < 0 ? bound <= options.ratio * seen_ : bound <= decide || seen_ > decide;
-        });
-    EnvelopeBound out;
-    out.quantity = {Kind::kQdd, i, 0};
-    out.certified = seen.bound;
-    out.sampled = seen_;
-    out.boxes = seen.count;
-    out.worst = worst_;
-    out.lost = lost_most_;
-    return out;
+    return search(i, table_.active(), options, decide, [&](Box* box) { judge(box); });
   }
 
  private:
   using CornerAt = std::shared_ptr<const Corner>;
-
-  const JointRanges& at(Index k) const { return ranges_[static_cast<std::size_t>(k)]; }
-  const RunningError& of(const std::vector<RunningError>& v, Index k) const {
-    return v[static_cast<std::size_t>(k)];
-  }
 
   /// Neither M nor g.
   static TrigonometricModel without(TrigonometricModel model) {
@@ -107,17 +82,17 @@ class AccelerationErrors::Search {
   /// M_r, D and M, column by column; then of each source d and h.
   std::vector<Polynomial> listed() {
     std::vector<Polynomial> all;
-    for (const TrigonometricModel* model : {&reduced_, &off_, &full_})
+    for (const TrigonometricModel* model : {&reduced_, &off_, &model_})
       for (std::size_t b = 0; b < model->M.size(); ++b)
         for (std::size_t a = 0; a < model->M.size(); ++a) all.push_back(model->M[a][b]);
     sources_.assign(1, {-1, -1});
     for (const Polynomial& f : off_.gravity) all.push_back(f);
-    for (std::size_t j = 0; j < full_.gravity.size(); ++j) {
-      all.push_back(full_.gravity[j]);
-      add(full_.loads[j], 1, &all.back());
+    for (std::size_t j = 0; j < model_.gravity.size(); ++j) {
+      all.push_back(model_.gravity[j]);
+      add(model_.loads[j], 1, &all.back());
     }
     std::map<std::pair<int, int>, std::vector<Polynomial>> pairs;
-    for (const TrigonometricModel* model : {&off_, &full_})
+    for (const TrigonometricModel* model : {&off_, &model_})
       for (int j = 0; j < model->dof; ++j)
         for (EnvelopePart& part : envelopeParts(*model, {Kind::kC, j, 0})) {
           if (part.j < 0) continue;
@@ -159,11 +134,11 @@ class AccelerationErrors::Search {
   void addSprings() {
     for (std::size_t k = 0; k < table_.active().size(); ++k) {
       const Index j = table_.active()[k];
-      const double stiffness = most(of(full_.stiffness, j));
-      const double stretch = at(j).q.most() + most(of(full_.rest, j));
-      lost_[0](0, n_ + j) += of(full_.stiffness, j).bound() * stretch +
-                             stiffness * (of(full_.rest, j).bound() + kLost * stretch);
-      lost_[1 + k](0, n_ + j) += of(full_.stiffness, j).bound();
+      const double stiffness = most(of(model_.stiffness, j));
+      const double stretch = at(j).q.most() + most(of(model_.rest, j));
+      lost_[0](0, n_ + j) += of(model_.stiffness, j).bound() * stretch +
+                             stiffness * (of(model_.rest, j).bound() + kLost * stretch);
+      lost_[1 + k](0, n_ + j) += of(model_.stiffness, j).bound();
       largest_[0](0, n_ + j) += stiffness * stretch;
       largest_[1 + k](0, n_ + j) += stiffness;
     }
@@ -178,8 +153,8 @@ class AccelerationErrors::Search {
     out->values = table_.at(q);
     for (std::size_t k = 0; k < q.size(); ++k) {
       const Index j = table_.active()[k], row = 3 * n_ * n_ + n_ + j;
-      const double stiffness = of(full_.stiffness, j).value();
-      out->values(row, 0) += stiffness * (q[k] - of(full_.rest, j).value());
+      const double stiffness = of(model_.stiffness, j).value();
+      out->values(row, 0) += stiffness * (q[k] - of(model_.rest, j).value());
       out->values(row, 1 + static_cast<Index>(k)) += stiffness;
     }
     const auto matrix = [&](Index b) {
@@ -207,7 +182,7 @@ class AccelerationErrors::Search {
   void judge(Box* box) {
     const std::size_t m = box->q.size(), count = std::size_t{1} << m;
     std::vector<CornerAt> corners;
-    std::vector<double> q(m), worst_q;
+    std::vector<double> q(m);
     for (std::size_t bits = 0; bits < count; ++bits) {
       for (std::size_t k = 0; k < m; ++k)
         q[k] = (bits >> k & 1) != 0 ? box->q[k].high : box->q[k].low;
@@ -238,10 +213,10 @@ class AccelerationErrors::Search {
     double out = 2 * lost_[0].row(0).dot(mean);
     for (Index j = 0; j < n_; ++j)
       out += mean(n_ + j) *
-             (of(full_.positive, j).bound() + of(full_.negative, j).bound() +
-              of(full_.viscous, j).bound() * at(j).qd.most() +
-              kLost * (at(j).tau->most() + most(of(full_.viscous, j)) * at(j).qd.most() +
-                       most(of(full_.positive, j)) + most(of(full_.negative, j))));
+             (of(model_.positive, j).bound() + of(model_.negative, j).bound() +
+              of(model_.viscous, j).bound() * at(j).qd.most() +
+              kLost * (at(j).tau->most() + most(of(model_.viscous, j)) * at(j).qd.most() +
+                       most(of(model_.positive, j)) + most(of(model_.negative, j))));
     return out;
   }
 
@@ -260,55 +235,23 @@ class AccelerationErrors::Search {
   /// The largest |e_i| at a corner in q.
   double largestAt(const Corner& c, const std::vector<double>& q, const Box& box, double lost,
                    VectorXd* concave) {
-    const VectorXd v = c.vectors.col(i_);
+    const VectorXd v = c.vectors.col(i_), row = v.tail(n_);
     const VectorXd answers = -(sources(c.values.col(0)).transpose() * v);
+    MatrixXd form = MatrixXd::Zero(n_, n_);
+    for (std::size_t s = 1; s < sources_.size(); ++s) {
+      const double y = answers(static_cast<Index>(s));
+      form(sources_[s].second, sources_[s].first) = y;
+      if (sources_[s].first == sources_[s].second)
+        (*concave)(sources_[s].first) = std::max((*concave)(sources_[s].first), std::abs(y));
+    }
     double best = 0;
     for (const int sign : {1, -1}) {
-      MatrixXd form = MatrixXd::Zero(n_, n_);
-      VectorXd linear(n_);
-      double value = sign * answers(0), dry = 0;
-      for (std::size_t s = 1; s < sources_.size(); ++s) {
-        const double y = answers(static_cast<Index>(s));
-        form(sources_[s].second, sources_[s].first) = y;
-        if (sources_[s].first == sources_[s].second)
-          (*concave)(sources_[s].first) = std::max((*concave)(sources_[s].first), std::abs(y));
-      }
-      for (Index j = 0; j < n_; ++j) {
-        const double k = v(n_ + j);
-        linear(j) = -k * of(full_.viscous, j).value();
-        value += std::max(sign * k * at(j).tau->low, sign * k * at(j).tau->high);
-        dry += largestDryFriction(box.qd[static_cast<std::size_t>(j)],
-                                  -k * of(full_.positive, j).value(),
-                                  -k * of(full_.negative, j).value(), sign);
-      }
-      std::vector<double> qd;
-      value += largestAtRates(form, linear, box.qd, sign, &qd);
-      remember(v, q, qd, sign, value - lost - kLost * std::abs(value));
-      best = std::max(best, value + dry + kLost * std::abs(value));
+      const Largest of_sign = largest(row, answers(0), form, box, sign);
+      const double rounded = kLost * std::abs(of_sign.value);
+      remember(row, q, of_sign.qd, sign, of_sign.value - lost - rounded);
+      best = std::max(best, of_sign.value + of_sign.dry + rounded);
     }
     return best;
-  }
-
-  /// @param value  without dry friction: that is put in by its sign here
-  void remember(const VectorXd& v, const std::vector<double>& q, const std::vector<double>& qd,
-                int sign, double value) {
-    for (Index j = 0; j < n_; ++j) {
-      const double rate = qd[static_cast<std::size_t>(j)];
-      const double dry = rate > 0   ? of(full_.positive, j).value()
-                         : rate < 0 ? -of(full_.negative, j).value()
-                                    : 0;
-      value -= sign * v(n_ + j) * dry;
-    }
-    if (!(value > seen_)) return;
-    seen_ = value;
-    worst_ = {};
-    worst_.qd = qd;
-    for (Index j = 0; j < n_; ++j) {
-      worst_.q.push_back(at(j).q.low);
-      worst_.tau.push_back(sign * v(n_ + j) > 0 ? at(j).tau->high : at(j).tau->low);
-    }
-    for (std::size_t k = 0; k < q.size(); ++k)
-      worst_.q[static_cast<std::size_t>(table_.active()[k])] = q[k];
   }
 
   /// How l and k change in a box: the largest of their magnitudes and divided differences.
@@ -406,12 +349,9 @@ class AccelerationErrors::Search {
     box->split = adds.maxCoeff(&most) > 0 ? static_cast<int>(most) : -1;
   }
 
-  const TrigonometricModel& full_;
   bool is_of_two_;
   const TrigonometricModel reduced_, off_;
-  const std::vector<JointRanges>& ranges_;
   VectorXd accelerations_;
-  Index n_;
   std::vector<std::pair<int, int>> sources_;  ///< qd_a qd_b; -1: gravity, loads and springs
   VectorXd most_;                             ///< that each is multiplied by
   PolynomialTable table_;
@@ -420,10 +360,7 @@ class AccelerationErrors::Search {
   std::vector<std::vector<MatrixXd>> beyond_;
   std::vector<std::vector<MatrixXd>> mixed_;  ///< d^2/dq_k dq_l
   CornersKnown<CornerAt> corners_{kMostCorners};
-  Index i_ = 0;
   VectorXd weights_;  ///< 1, |e_j|, |qdd_j|
-  double seen_ = 0, lost_most_ = 0;
-  EnvelopeState worst_;
 };
 
 AccelerationErrors::AccelerationErrors(const TrigonometricModel& full,
