@@ -80,8 +80,7 @@ bool isReserved(std::string_view name) {
 /// "0.125" for 1/8; empty when the decimal does not end or is long.
 std::string terminatingDecimal(const Rational& x) {
   const unsigned kLongest = 40;
-  if (const auto& limbs = bottom(x).backend(); limbs.size() == 1 && *limbs.limbs() == 1)
-    return top(x).str();
+  if (bottom(x) == 1) return top(x).str();
   const unsigned twos = lsb(bottom(x));  // 2^twos 5^fives divides the denominator
   Integer rest = bottom(x) >> twos;
   unsigned fives = 0;

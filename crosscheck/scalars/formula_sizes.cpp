@@ -27,11 +27,9 @@ double bitsOf(const scene::Integer& n) {
   return lsb(size) == msb(size) ? bits : bits + 1;  // a power of two, or more
 }
 
-}  // namespace
-
-namespace {
 constexpr int kMadeBits = 13;  // more finds hardly more
-}
+
+}  // namespace
 
 FormulaSizes::FormulaSizes()
     : outer_(PrimeField::sizes_),
@@ -327,8 +325,7 @@ bool FormulaSizes::cancelled(PrimeField n, PrimeField x, PrimeField* out) {
   return true;
 }
 
-PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {
-  if (a.isZero() || b.isZero()) return {};
+PrimeField FormulaSizes::product(PrimeField a, PrimeField b) {  // neither is 0
   PrimeField out;
   if (mayDivide(a) && cancelled(a, b, &out)) return out;
   if (mayDivide(b) && cancelled(b, a, &out)) return out;

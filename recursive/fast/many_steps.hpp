@@ -94,26 +94,32 @@ DYNWITNESS_INLINE void positionRates(const Plan<double>& plan, const JointPositi
   }
 }
 
-/// sin(a/2) / a, cos(a/2) and (a - sin a) / a^3 of z = a^2.
+/// sin(a/2) / a and cos(a/2) of z = a^2.
 template <int N>
 struct TurnFactors {
   using S = States<N>;
-  S sine, cosine, third;
+  S a, sine, cosine;
 
-  DYNWITNESS_INLINE explicit TurnFactors(const S& z) {
-    const S a = squareRoot(z), half = S(0.5) * a;
-    S s, s_whole, c_whole;
-    sineCosine(half, s, cosine);
-    sineCosine(a, s_whole, c_whole);
+  DYNWITNESS_INLINE explicit TurnFactors(const S& z) : a(squareRoot(z)) {
+    S s;
+    sineCosine(S(0.5) * a, s, cosine);
     const auto is_zero = z.v == S(0).v;
     sine.v = is_zero ? S(0.5).v : (s / a).v;
-    // below 1 its series, which does not cancel; what it leaves is below 1/21!, 2^-63 of it
+  }
+
+  /// (a - sin a) / a^3: below 1 its series, which does not cancel; what it leaves is below 1/21!,
+  /// 2^-63 of it
+  DYNWITNESS_INLINE S third(const S& z) const {
+    S s, c;
+    sineCosine(a, s, c);
     S series(1.0 / 121645100408832000.0);
     for (const double factorial : {355687428096000.0, 1307674368000.0, 6227020800.0, 39916800.0,
                                    362880.0, 5040.0, 120.0, 6.0})
       series = S(1.0 / factorial) - z * series;
     const auto is_small = z.v < S(1).v;
-    third.v = is_small ? series.v : ((a - s_whole) / (a * z)).v;
+    S out;
+    out.v = is_small ? series.v : ((a - s) / (a * z)).v;
+    return out;
   }
 };
 
@@ -132,11 +138,12 @@ DYNWITNESS_INLINE void movePositions(const Plan<double>& plan, const JointPositi
     const bool floats = link.kind == JointKind::kFloating;
     const int turn = link.slot + (floats ? 3 : 0), first = link.dof + (floats ? 3 : 0);
     const Vec<S> w = {u[first], u[first + 1], u[first + 2]};
-    const TurnFactors<N> by(w.x * w.x + w.y * w.y + w.z * w.z);
+    const S z = w.x * w.x + w.y * w.y + w.z * w.z;
+    const TurnFactors<N> by(z);
     if (floats) {
       const Vec<S> v = {u[link.dof], u[link.dof + 1], u[link.dof + 2]}, w_v = cross(w, v);
       const S second = S(2) * by.sine * by.sine;
-      const Vec<S> p = turned(x + turn, v + w_v * second + cross(w, w_v) * by.third);
+      const Vec<S> p = turned(x + turn, v + w_v * second + cross(w, w_v) * by.third(z));
       q[link.slot] += p.x, q[link.slot + 1] += p.y, q[link.slot + 2] += p.z;
     }
     // q (cos a/2, w sin(a/2) / a)

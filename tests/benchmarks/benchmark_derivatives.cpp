@@ -93,30 +93,18 @@ void fast(benchmark::State& run, const std::string& scene, bool of_accelerations
   tellWork(run, arm.scene, arm.model, of_accelerations ? "dqdd" : "dtau", false);
 }
 
-/// All states in one call, state by state as NumPy lays them out.
+/// All states in one call.
 void fastMany(benchmark::State& run, const std::string& scene, bool of_accelerations) {
   Arm arm(scene);
-  const int n = arm.model.dof(), nq = arm.model.positions, nn = n * n;
-  std::vector<double> q, qd, given;
-  for (const scene::State<double>& s : arm.states) {
-    for (const scene::JointPosition<double>& x : s.x) q.push_back(x.q);
-    const std::vector<double>& third = of_accelerations ? s.tau : s.qdd;
-    qd.insert(qd.end(), s.qd.begin(), s.qd.end());
-    given.insert(given.end(), third.begin(), third.end());
-  }
-  std::vector<double> three(3 * arm.states.size() * static_cast<std::size_t>(nn));
-  double* const by_q = three.data();
-  double* const by_qd = by_q + three.size() / 3;
-  double* const by_third = by_qd + three.size() / 3;
+  Rows rows(arm.model, arm.states, of_accelerations, 3);
+  const int nn = rows.n * rows.n;
   recursive::fast::ManyDerivatives many(arm.model);
+  const auto ask = of_accelerations ? &recursive::fast::ManyDerivatives::forwardDynamics
+                                    : &recursive::fast::ManyDerivatives::inverseDynamics;
   for (auto _ : run) {
-    if (of_accelerations)
-      many.forwardDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {given.data(), n}, {by_q, nn},
-                           {by_qd, nn}, {by_third, nn});
-    else
-      many.inverseDynamics(kStates, {q.data(), nq}, {qd.data(), n}, {given.data(), n}, {by_q, nn},
-                           {by_qd, nn}, {by_third, nn});
-    benchmark::DoNotOptimize(three.data());
+    (many.*ask)(kStates, rows.positions(), rows.rates(), rows.given(), rows.answers(nn, 0),
+                rows.answers(nn, 1), rows.answers(nn, 2));
+    benchmark::DoNotOptimize(rows.out.data());
     benchmark::ClobberMemory();
   }
   run.counters[kStatesCounter] = kStates;

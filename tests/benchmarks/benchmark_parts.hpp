@@ -5,6 +5,7 @@
 // one), and each other counter under the counter's name as unit.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,8 +15,10 @@
 
 #include "crosscheck/report/bench.hpp"
 #include "crosscheck/system/children.hpp"
+#include "recursive/fast/strided.hpp"
 #include "recursive/model.hpp"
 #include "scene/scene.hpp"
+#include "scene/state.hpp"
 
 namespace dynwitness::benchmarks {
 
@@ -42,6 +45,22 @@ void registerEngines(crosscheck::BenchResult* result, const std::vector<std::str
 void tellWork(benchmark::State& run, const scene::Scene& scene,
               const recursive::Model<double>& model, const std::string& what, bool keeps_all,
               std::optional<long> operations = {});
+
+/// States one after the other, as NumPy lays them out, and room for up to `matrices` of dof^2
+/// numbers each, a matrix of all states after the other.
+struct Rows {
+  Rows(const recursive::Model<double>& model, const std::vector<scene::State<double>>& states,
+       bool is_tau_given, int matrices = 1);
+  recursive::fast::Strided<const double> positions() const { return {q.data(), nq}; }
+  recursive::fast::Strided<const double> rates() const { return {qd.data(), n}; }
+  recursive::fast::Strided<const double> given() const { return {w.data(), n}; }
+  recursive::fast::Strided<double> answers(int numbers, int matrix = 0) {
+    return {out.data() + static_cast<std::ptrdiff_t>(matrix) * n * n * kStates, numbers};
+  }
+
+  int n, nq;
+  std::vector<double> q, qd, w, out;  ///< w: tau or qdd
+};
 
 /// A contender that may have been added before.
 void addContender(crosscheck::BenchResult* result, const crosscheck::Contender& contender);

@@ -194,30 +194,14 @@ void kernelOne(benchmark::State& run, const std::string& scene, Formula formula,
     run.counters["operations"] = kernel.road(formula).operations();
 }
 
-/// States one after the other, as NumPy lays them out.
-struct Rows {
-  Rows(const Arm& arm, Formula formula) : n(arm.setup.model.dof()), nq(arm.setup.model.positions) {
-    for (const std::vector<double>& x : positionsOf(arm)) q.insert(q.end(), x.begin(), x.end());
-    for (const scene::State<double>& s : arm.states) {
-      const std::vector<double>& third = formula == Formula::kForwardDynamics ? s.tau : s.qdd;
-      qd.insert(qd.end(), s.qd.begin(), s.qd.end());
-      w.insert(w.end(), third.begin(), third.end());
-    }
-    out.resize(static_cast<std::size_t>(n * n) * kStates);
-  }
-  recursive::fast::Strided<const double> positions() const { return {q.data(), nq}; }
-  recursive::fast::Strided<const double> rates() const { return {qd.data(), n}; }
-  recursive::fast::Strided<const double> given() const { return {w.data(), n}; }
-  recursive::fast::Strided<double> answers(int numbers) { return {out.data(), numbers}; }
-
-  int n, nq;
-  std::vector<double> q, qd, w, out;
-};
+Rows rowsOf(const Arm& arm, Formula formula) {
+  return {arm.setup.model, arm.states, formula == Formula::kForwardDynamics};
+}
 
 /// All states in one call by the general sweeps.
 void fastMany(benchmark::State& run, const std::string& scene, Formula formula) {
   Arm arm(scene);
-  Rows rows(arm, formula);
+  Rows rows = rowsOf(arm, formula);
   recursive::fast::ManyStates many(arm.setup.model);
   for (auto _ : run) {
     if (formula == Formula::kMassMatrix)
@@ -239,7 +223,7 @@ void fastMany(benchmark::State& run, const std::string& scene, Formula formula) 
 void fastOnCores(benchmark::State& run, const std::string& scene, Formula formula, int cores) {
   using recursive::fast::ManyStates;
   Arm arm(scene);
-  Rows rows(arm, formula);
+  Rows rows = rowsOf(arm, formula);
   recursive::fast::AllCores<ManyStates> many(arm.setup.model, cores);
   for (auto _ : run) {
     if (formula == Formula::kMassMatrix)
@@ -257,7 +241,7 @@ void fastOnCores(benchmark::State& run, const std::string& scene, Formula formul
 /// M as the numbers that say all of it.
 void packedMany(benchmark::State& run, const std::string& scene) {
   Arm arm(scene);
-  Rows rows(arm, Formula::kMassMatrix);
+  Rows rows = rowsOf(arm, Formula::kMassMatrix);
   recursive::fast::ManyStates many(arm.setup.model);
   const int numbers = static_cast<int>(many.packedEntries().size());
   for (auto _ : run) {
@@ -272,7 +256,7 @@ void packedMany(benchmark::State& run, const std::string& scene) {
 void stepMany(benchmark::State& run, const std::string& scene,
               recursive::fast::Integrator integrator) {
   Arm arm(scene);
-  Rows rows(arm, Formula::kForwardDynamics);
+  Rows rows = rowsOf(arm, Formula::kForwardDynamics);
   recursive::fast::ManySteps many(arm.setup.model);
   for (auto _ : run) {
     many.step(kStates, integrator, 0, 1, {rows.q.data(), rows.nq}, {rows.qd.data(), rows.n},
@@ -406,6 +390,18 @@ void addContender(BenchResult* result, const Contender& contender) {
   for (const Contender& c : result->contenders)
     if (c.name == contender.name) return;
   result->contenders.push_back(contender);
+}
+
+Rows::Rows(const recursive::Model<double>& model, const std::vector<scene::State<double>>& states,
+           bool is_tau_given, int matrices)
+    : n(model.dof()), nq(model.positions) {
+  for (const scene::State<double>& s : states) {
+    for (const scene::JointPosition<double>& x : s.x) q.push_back(x.q);
+    const std::vector<double>& third = is_tau_given ? s.tau : s.qdd;
+    qd.insert(qd.end(), s.qd.begin(), s.qd.end());
+    w.insert(w.end(), third.begin(), third.end());
+  }
+  out.resize(static_cast<std::size_t>(matrices * n * n) * kStates);
 }
 
 std::string fastLanesLabel() {

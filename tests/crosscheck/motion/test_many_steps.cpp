@@ -20,6 +20,7 @@
 #include "recursive/fast/all_cores.hpp"
 #include "tests/fixtures/lanes/many_derivatives.hpp"
 #include "tests/fixtures/lanes/many_steps.hpp"
+#include "tests/fixtures/lanes/widths.hpp"
 #include "tests/fixtures/scene_files.hpp"
 
 namespace {
@@ -60,13 +61,6 @@ namespace {
 constexpr int kStates = 19;
 constexpr double kStep = 1e-3;  // [s]
 constexpr Integrator kIntegrators[] = {Integrator::kSemiImplicitEuler, Integrator::kRungeKutta4};
-
-std::vector<int> widths() {
-  std::vector<int> all;
-  for (const int width : {2, 4, 8})
-    if (width <= widestVectors()) all.push_back(width);
-  return all;
-}
 
 /// Seeded states of a scene, one after the other.
 struct Start {

@@ -20,6 +20,7 @@
 #include "recursive/fast/dynamics.hpp"
 #include "tests/fixtures/files.hpp"
 #include "tests/fixtures/lanes/many_derivatives.hpp"
+#include "tests/fixtures/lanes/widths.hpp"
 #include "tests/fixtures/scene_files.hpp"
 
 using namespace dynwitness;
@@ -36,13 +37,6 @@ Model<double> modelOf(const std::string& file) {
 }
 Model<double> bundled(const std::string& name) {
   return modelOf(std::string(DYNWITNESS_DATA_DIR) + "/scenes/" + name + ".toml");
-}
-
-std::vector<int> widths() {
-  std::vector<int> all;
-  for (const int width : {2, 4, 8})
-    if (width <= fast::widestVectors()) all.push_back(width);
-  return all;
 }
 
 /// Derivatives by q, by qd and by qdd or tau.
