@@ -334,7 +334,7 @@ Run addLinearize(CLI::App* command) {
                  "A and B in letters instead, from T and V: trees of up to three joints. Angles of "
                  "whole right angles and what is 0 are put in, other q, qd stay letters")
       ->excludes(addJson(*command, arguments->json));
-  command->add_option("--format", arguments->format, "How letters are written")
+  command->add_option("--format", arguments->format, "How it is written: letters with --symbolic")
       ->capture_default_str()
       ->check(oneOf({"text", "latex", "html"}));
   addOutput(*command, arguments->output, "file, of --symbolic; without: standard output");
