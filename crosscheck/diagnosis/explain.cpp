@@ -16,6 +16,7 @@
 #include <Eigen/QR>
 
 #include "crosscheck/diagnosis/hypotheses.hpp"
+#include "crosscheck/diagnosis/suspects.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
