@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "crosscheck/diagnosis/textbook.hpp"
 
 namespace dynwitness::crosscheck {
@@ -25,20 +23,5 @@ struct Hypothesis {
     explain the same answers, the first of them is the finding. Those of a rule that differ in how
     it may have come about are entries of their own. */
 std::vector<Hypothesis> hypotheses(const TextbookModel& model);
-
-/// A number of the mechanism that may be another one.
-struct Suspect {
-  std::string rule;
-  int link = -1;
-  bool at_joint = false;
-  std::string what, unit;          ///< "mass of link 'arm'", "kg"
-  std::vector<std::string> names;  ///< of its parameters
-  std::vector<double> scene;       ///< what the scene says they are
-  std::vector<double> scale;       ///< sizes that steps are measured in
-  std::function<void(Belief&, const Eigen::VectorXd& added)> apply;
-  bool is_linear = true;  ///< where there are several: answers are linear in them
-};
-/// The same order: one number before several.
-std::vector<Suspect> suspects(const TextbookModel& model);
 
 }  // namespace dynwitness::crosscheck

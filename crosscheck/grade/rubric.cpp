@@ -12,6 +12,7 @@
 
 #include "crosscheck/diagnosis/examine.hpp"
 #include "crosscheck/diagnosis/hypotheses.hpp"
+#include "crosscheck/diagnosis/suspects.hpp"
 #include "crosscheck/diagnosis/textbook.hpp"
 #include "crosscheck/witnesses/outside_claims.hpp"
 #include "scene/text_file.hpp"

@@ -13,6 +13,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/diagnosis/hypotheses.hpp"
+#include "crosscheck/diagnosis/suspects.hpp"
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/verdicts/truth.hpp"
