@@ -28,10 +28,10 @@ namespace dynwitness::crosscheck {
 namespace fs = std::filesystem;
 namespace {
 
-/// Of libraries the linker takes what a program calls: this is what modules call beside it.
-/// tests/project/test_engine_modules.py looks whether every program has all.
+/// Of libraries the linker takes what a program calls: this is what modules call beside it, and all
+/// that our witnesses do. tests/project/test_engine_modules.py looks whether every program has it.
 [[gnu::used]] constexpr auto kKept = std::make_tuple(
-    &isOwnFile, &mjcf, &overTree,
+    &witnessKinds, &isOwnFile, &mjcf, &overTree,
     static_cast<Eigen::MatrixXd (EngineBound::*)(Quantity, const scene::State<double>&)>(
         &EngineBound::operator()),
     &scene::urdfForEngines, &scene::requireInertiaOfJoints, &scene::isQuarterTurn,
