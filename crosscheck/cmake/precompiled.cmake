@@ -13,12 +13,21 @@ if(PROJECT_IS_TOP_LEVEL)
   add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
 endif()
 
-# dynwitness_precompile(NAME [COOL] LINK TARGET... HEADERS HEADER...): a library of one empty file, whose
-# headers dynwitness_use_precompiled(NAME TARGET...) gives to others. Macros that headers look at must
-# be the same in both (g++ warns where they are not, and parses anew), and so must the level of
-# optimization: g++ takes that of the precompiled header, whatever a file says. COOL is -O1.
+# Code that can be moved: of static libraries that shared objects are linked from as well as programs,
+# for which the linker takes the detours out. g++ would not inline what another library might define
+# anew, which nothing does to ours.
+function(dynwitness_make_movable TARGET)
+  set_target_properties(${TARGET} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${TARGET} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>)
+endfunction()
+
+# dynwitness_precompile(NAME [COOL] [MOVABLE] LINK TARGET... HEADERS HEADER...): a library of one empty
+# file, whose headers dynwitness_use_precompiled(NAME TARGET...) gives to others. Macros that headers look
+# at must be the same in both (g++ warns where they are not, and parses anew), and so must whether code can
+# be moved, and the level of optimization: g++ takes that of the precompiled header, whatever a file says.
+# COOL is -O1.
 function(dynwitness_precompile NAME)
-  cmake_parse_arguments(ARG "COOL" "" "LINK;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "COOL;MOVABLE" "" "LINK;HEADERS" ${ARGN})
   # where the list changes, g++ would read the old precompiled header for the new one
   set(list ${PROJECT_BINARY_DIR}/dynwitness_${NAME}.headers)
   set(before)
@@ -35,6 +44,9 @@ function(dynwitness_precompile NAME)
   if(ARG_COOL)
     target_compile_options(dynwitness_${NAME} PRIVATE -O1)
   endif()
+  if(ARG_MOVABLE)
+    dynwitness_make_movable(dynwitness_${NAME})
+  endif()
   target_precompile_headers(dynwitness_${NAME} PRIVATE ${ARG_HEADERS})
 endfunction()
 function(dynwitness_use_precompiled NAME)
@@ -49,9 +61,11 @@ set(standard <algorithm> <array> <cmath> <cstdint> <functional> <iostream> <limi
 set(mathematics <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
                 <boost/math/constants/constants.hpp> <boost/multiprecision/cpp_int.hpp>)
 set(libraries Boost::headers Eigen3::Eigen fmt::fmt)
-dynwitness_precompile(outside LINK ${libraries} HEADERS ${standard} ${mathematics} <fmt/format.h>)
-dynwitness_precompile(outside_cool COOL LINK ${libraries}
-                      HEADERS ${standard} ${mathematics} <fmt/format.h>)
+set(headers ${standard} ${mathematics} <fmt/format.h>)
+dynwitness_precompile(outside LINK ${libraries} HEADERS ${headers})
+dynwitness_precompile(outside_cool COOL LINK ${libraries} HEADERS ${headers})
+dynwitness_precompile(outside_movable MOVABLE LINK ${libraries} HEADERS ${headers})
+dynwitness_precompile(outside_cool_movable COOL MOVABLE LINK ${libraries} HEADERS ${headers})
 if(DYNWITNESS_TESTS)
   find_package(Boost 1.74 REQUIRED COMPONENTS unit_test_framework)
   dynwitness_precompile(outside_of_tests COOL LINK ${libraries} Boost::unit_test_framework

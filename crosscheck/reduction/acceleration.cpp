@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 
 #include "crosscheck/reduction/acceleration_boxes.hpp"
@@ -22,7 +21,7 @@ using scene::Range;
 using ErrorMatrix = Eigen::Matrix<RunningError, Eigen::Dynamic, Eigen::Dynamic>;
 using ErrorVector = Eigen::Matrix<RunningError, Eigen::Dynamic, 1>;
 
-constexpr std::size_t kMostCorners = 50000;  ///< remembered at a time: 200 MB for seven joints
+constexpr std::size_t kMostCorners = 20000;  ///< remembered at a time: 160 MB for seven joints
 
 double norm(const ErrorMatrix& m) {
   double squares = 0;
@@ -52,9 +51,9 @@ ErrorMatrix inverseFactor(const ErrorMatrix& M) {
 
 /// What is known at one corner in q; bounds are upwards.
 struct Corner {
-  ErrorVector row;      ///< of M^-1
-  ErrorVector answers;  ///< y_i, one a source
-  VectorXd inverse;     ///< (M^-1)_jj
+  ErrorMatrix rows;     ///< of M^-1
+  ErrorMatrix answers;  ///< y, by column one a source
+  VectorXd inverse;     ///< (M^-1)_jj; none: M may have no inverse
   MatrixXd norms;       ///< of sources, by column of the table
   VectorXd relative;    ///< of M' and M'', by column of the table
 };
@@ -67,10 +66,12 @@ class AccelerationSearch : AccelerationBoxes {
   /// Of |qdd_i|; the rest as BoundedQuantity::over().
   EnvelopeBound over(int i, const std::vector<JointRanges>& box, const EnvelopeOptions& options,
                      double decide) {
-    if (i != i_) corners_ = CornersKnown<Corner>(kMostCorners);  // they are of one joint
     ranges_ = &box;
-    return search(i, table_.active(), options, decide, [&](Box* part) { judge(part); });
+    return search(
+        nothingKnown(i), table_.active(), options, decide, [&](Box* part) { judge(part); },
+        [&](const std::vector<double>& q, const Box& part) { return seenAt(q, part); });
   }
+  using AccelerationBoxes::isKnown;
 
  private:
   /// The largest of viscous and dry friction at a joint.
@@ -89,17 +90,9 @@ class AccelerationSearch : AccelerationBoxes {
       all.push_back(model_.gravity[j]);
       add(model_.loads[j], 1, &all.back());
     }
-    std::map<std::pair<int, int>, std::vector<Polynomial>> pairs;
-    for (int j = 0; j < model_.dof; ++j)
-      for (EnvelopePart& part : envelopeParts(model_, {EnvelopeQuantity::Kind::kC, j, 0})) {
-        if (part.j < 0) continue;
-        auto& column = pairs[{part.j, part.k}];
-        column.resize(model_.M.size());
-        column[static_cast<std::size_t>(j)] = std::move(part.f);
-      }
-    for (auto& [pair, column] : pairs) {
+    for (const auto& [pair, column] : rateProducts(model_)) {
       sources_.push_back({pair.first, pair.second, static_cast<Index>(all.size())});
-      for (Polynomial& f : column) all.push_back(std::move(f));
+      all.insert(all.end(), column.begin(), column.end());
     }
     return all;
   }
@@ -128,10 +121,10 @@ class AccelerationSearch : AccelerationBoxes {
     if (L.rows() == 0) return out;
     out.inverse.resize(n_);
     for (Index j = 0; j < n_; ++j) out.inverse(j) = std::pow(norm(L.col(j)), 2) * (1 + kLost);
-    out.row = L.transpose() * L.col(i_);
+    out.rows = L.transpose() * L;
     const auto count = static_cast<Index>(sources_.size());
     out.norms.resize(count, table_.columns());
-    out.answers.resize(count);
+    out.answers.resize(n_, count);
     for (Index s = 0; s < count; ++s)
       for (Index o = 0; o < table_.columns(); ++o) {
         ErrorVector column(n_);
@@ -139,7 +132,7 @@ class AccelerationSearch : AccelerationBoxes {
           column(j) = entry(sources_[static_cast<std::size_t>(s)].first + j, o);
         if (s == 0) addSprings(q, o, &column);
         out.norms(s, o) = norm(L * column);
-        if (o == 0) out.answers(s) = out.row.dot(column);
+        if (o == 0) out.answers.col(s) = out.rows * column;
       }
     out.relative.setZero(table_.columns());
     for (Index o = 1; o < table_.columns(); ++o)
@@ -158,24 +151,15 @@ class AccelerationSearch : AccelerationBoxes {
   }
 
   void judge(Box* box) {
-    const std::size_t m = table_.active().size();
     Corner worst;  // by entry
     worst.inverse = VectorXd::Zero(n_);
     worst.norms = MatrixXd::Zero(static_cast<Index>(sources_.size()), table_.columns());
     worst.relative = VectorXd::Zero(table_.columns());
     VectorXd concave = VectorXd::Zero(n_);
     double largest = 0, rho = 0;
-    std::vector<double> q(m);
-    for (std::size_t bits = 0; bits < std::size_t{1} << m; ++bits) {
-      bool again = false;  // an edge of no length has one end
-      for (std::size_t k = 0; k < m; ++k) {
-        const bool upper = (bits >> k & 1) != 0;
-        q[k] = upper ? box->q[k].high : box->q[k].low;
-        again = again || (upper && box->q[k].high == box->q[k].low);
-      }
-      if (again) continue;
+    const bool are_all = forCorners(*box, [&](std::size_t, const std::vector<double>& q) {
       const Corner& at_q = corner(q);
-      if (at_q.inverse.size() == 0) return haveNoBound(VectorXd::Ones(n_), box);
+      if (at_q.inverse.size() == 0) return false;
       rho = std::max(rho, rest(at_q.inverse, *box, 0));
       worst.inverse = worst.inverse.cwiseMax(at_q.inverse);
       worst.norms = worst.norms.cwiseMax(at_q.norms);
@@ -183,9 +167,11 @@ class AccelerationSearch : AccelerationBoxes {
       for (std::size_t s = 1; s < sources_.size(); ++s)
         if (sources_[s].a == sources_[s].b)
           concave(sources_[s].a) =
-              std::max(concave(sources_[s].a), most(at_q.answers(static_cast<Index>(s))));
-      for (const int sign : {1, -1}) largest = std::max(largest, largestAt(at_q, q, *box, sign));
-    }
+              std::max(concave(sources_[s].a), most(at_q.answers(i_, static_cast<Index>(s))));
+      largest = std::max(largest, largestAt(at_q, q, *box).bound);
+      return true;
+    });
+    if (!are_all) return haveNoBound(VectorXd::Ones(n_), box);
     if (!(rho * (1 + kLost) < 1)) return haveNoBound(worst.inverse, box);
     widen(rho * (1 + kLost), *box, &worst);
     addBetween(worst, concave, largest, box);
@@ -238,27 +224,40 @@ class AccelerationSearch : AccelerationBoxes {
     }
   }
 
-  /// The largest of sign qdd_i at a corner in q, roundings included.
-  double largestAt(const Corner& at_q, const std::vector<double>& q, const Box& box, int sign) {
+  double seenAt(const std::vector<double>& q, const Box& box) {
+    const Corner at_q = computed(q);
+    return at_q.inverse.size() == 0 ? 0 : largestAt(at_q, q, box).seen;
+  }
+
+  /// The largest |qdd_i| at a corner in q: a bound, and what is surely reached.
+  struct AtCorner {
+    double bound = 0, seen = 0;
+  };
+  AtCorner largestAt(const Corner& at_q, const std::vector<double>& q, const Box& box) {
     MatrixXd form = MatrixXd::Zero(n_, n_);
-    double lost = at_q.answers(0).bound();
+    double lost = at_q.answers(i_, 0).bound();
     for (std::size_t s = 1; s < sources_.size(); ++s) {
-      const RunningError& y = at_q.answers(static_cast<Index>(s));
+      const RunningError& y = at_q.answers(i_, static_cast<Index>(s));
       lost += y.bound() * mostOf(sources_[s]);
       form(sources_[s].b, sources_[s].a) = -y.value();
     }
     VectorXd row(n_);
     for (Index j = 0; j < n_; ++j) {
-      row(j) = at_q.row(j).value();
-      lost += at_q.row(j).bound() * (at(j).tau->most() + mostOfFriction(j, at(j).qd)) +
+      const RunningError& r = at_q.rows(i_, j);
+      row(j) = r.value();
+      lost += r.bound() * (at(j).tau->most() + mostOfFriction(j, at(j).qd)) +
               std::abs(row(j)) * (of(model_.positive, j).bound() + of(model_.negative, j).bound()) +
-              (at_q.row(j) * of(model_.viscous, j)).bound() * at(j).qd.most();
+              (r * of(model_.viscous, j)).bound() * at(j).qd.most();
     }
-    const Largest of_sign = largest(row, -at_q.answers(0).value(), form, box, sign);
-    lost = (lost + kLost * std::abs(of_sign.value)) * (1 + kLost);
-    lost_most_ = std::max(lost_most_, lost);
-    remember(row, q, of_sign.qd, sign, of_sign.value - lost);
-    return of_sign.value + of_sign.dry + lost;
+    AtCorner out;
+    for (const int sign : {1, -1}) {
+      const Largest of_sign = largest(row, -at_q.answers(i_, 0).value(), form, box, sign);
+      const double lost_here = (lost + kLost * std::abs(of_sign.value)) * (1 + kLost);
+      lost_most_ = std::max(lost_most_, lost_here);
+      out.seen = std::max(out.seen, remember(row, q, of_sign.qd, sign, of_sign.value - lost_here));
+      out.bound = std::max(out.bound, of_sign.value + of_sign.dry + lost_here);
+    }
+    return out;
   }
 
   /// What lies between the corners, by variable: (2).
@@ -308,47 +307,69 @@ class AccelerationSearch : AccelerationBoxes {
 /// second one, where it stands beside small numbers; few, since they come on top.
 constexpr int kFirstBoxes = 300;
 
-/// Two searches: by norms, which knows nothing, and by what that one has found of all joints.
-class RefinedAcceleration : public BoundedQuantity {
- public:
-  RefinedAcceleration(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
-                      const EnvelopeQuantity& quantity)
-      : model_(model), i_(quantity.i), by_norms_(model, ranges) {}
+}  // namespace
 
-  EnvelopeBound over(const std::vector<JointRanges>& box, const EnvelopeOptions& options,
-                     double decide) override {
-    const auto isKnown = [&](const EnvelopeBound& b) {
-      return decide < 0 ? b.certified <= options.ratio * b.sampled
-                        : b.certified <= decide || b.sampled > decide;
-    };
+/// Two searches: by norms, which knows nothing, and by what is known of all joints by then.
+class AccelerationBounds::Searches {
+ public:
+  Searches(const TrigonometricModel& model, const std::vector<JointRanges>& ranges)
+      : model_(model), by_norms_(model, ranges) {}
+
+  EnvelopeBound over(int i, const std::vector<JointRanges>& box, const EnvelopeOptions& options,
+                     double decide) {
     EnvelopeOptions first = options;
     first.boxes = std::min(options.boxes, kFirstBoxes);
-    const EnvelopeBound mine = by_norms_.over(i_, box, first, decide);
-    if (isKnown(mine) || options.boxes <= first.boxes) return mine;
-    std::vector<double> known;
-    for (int j = 0; j < model_.dof; ++j)
-      known.push_back(j == i_ ? mine.certified : by_norms_.over(j, box, first, -1).certified);
-    if (!std::all_of(known.begin(), known.end(), [](double y) { return std::isfinite(y); }))
-      return by_norms_.over(i_, box, options, decide);
-    EnvelopeBound out = AccelerationErrors(model_, box, known).of(i_, known, options, decide);
-    out.certified = std::min(out.certified, mine.certified);
-    out.boxes += mine.boxes;
-    if (out.sampled < mine.sampled) out.worst = mine.worst;
-    return out;
+    take(box);
+    EnvelopeBound& known = known_[static_cast<std::size_t>(i)];
+    EnvelopeBound mine = known.boxes > 0 ? known : by_norms_.over(i, box_, first, decide);
+    if (decide < 0) known = mine;
+    if (AccelerationSearch::isKnown(mine.certified, mine.sampled, options, decide) ||
+        options.boxes <= first.boxes)
+      return mine;
+    std::vector<double> certified;
+    for (int j = 0; j < model_.dof; ++j) {
+      EnvelopeBound& of_j = known_[static_cast<std::size_t>(j)];
+      if (of_j.boxes == 0) of_j = by_norms_.over(j, box_, first, -1);
+      if (!std::isfinite(of_j.certified)) return by_norms_.over(i, box_, options, decide);
+      certified.push_back(of_j.certified);
+    }
+    if (!errors_) errors_ = std::make_unique<AccelerationErrors>(model_, box_);
+    mine = errors_->better(mine, certified, options, decide);
+    if (decide < 0) known = mine;
+    return mine;
   }
 
  private:
+  /// What is known of one box is kept until another is asked about.
+  void take(const std::vector<JointRanges>& box) {
+    const auto same = [](const Range& a, const Range& b) {
+      return a.low == b.low && a.high == b.high;
+    };
+    if (std::equal(box.begin(), box.end(), box_.begin(), box_.end(),
+                   [&](const JointRanges& a, const JointRanges& b) {
+                     return same(a.q, b.q) && same(a.qd, b.qd) && same(*a.tau, *b.tau);
+                   }))
+      return;
+    errors_.reset();
+    box_ = box;
+    known_.assign(box.size(), {});
+  }
+
   const TrigonometricModel& model_;
-  int i_;
   AccelerationSearch by_norms_;
+  std::vector<JointRanges> box_;
+  std::vector<EnvelopeBound> known_;  ///< by joint
+  std::unique_ptr<AccelerationErrors> errors_;
 };
 
-}  // namespace
+AccelerationBounds::AccelerationBounds(const TrigonometricModel& model,
+                                       const std::vector<JointRanges>& ranges)
+    : searches_(std::make_unique<Searches>(model, ranges)) {}
+AccelerationBounds::~AccelerationBounds() = default;
 
-std::unique_ptr<BoundedQuantity> boundedAcceleration(const TrigonometricModel& model,
-                                                     const std::vector<JointRanges>& ranges,
-                                                     const EnvelopeQuantity& quantity) {
-  return std::make_unique<RefinedAcceleration>(model, ranges, quantity);
+EnvelopeBound AccelerationBounds::over(int i, const std::vector<JointRanges>& box,
+                                       const EnvelopeOptions& options, double decide) {
+  return searches_->over(i, box, options, decide);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,9 +28,20 @@ class AccelerationBoxes {
 
   /// @param active  joints of Box::q
   /// @param decide  as boundOfParts()
+  /// @param before  what is known already of the same: only what is better is looked for
   /// @param judge   as of bestFirst()
-  EnvelopeBound search(int i, const std::vector<int>& active, const EnvelopeOptions& options,
-                       double decide, const std::function<void(Box*)>& judge);
+  /// @param seen_at |x| at a q, the largest over corners in qd of a box, which is remembered
+  EnvelopeBound search(
+      const EnvelopeBound& before, const std::vector<int>& active, const EnvelopeOptions& options,
+      double decide, const std::function<void(Box*)>& judge,
+      const std::function<double(const std::vector<double>&, const Box&)>& seen_at);
+  /// Of joint i; infinite.
+  static EnvelopeBound nothingKnown(int i);
+  static bool isKnown(double certified, double sampled, const EnvelopeOptions& options,
+                      double decide) {
+    return decide < 0 ? certified <= options.ratio * sampled
+                      : certified <= decide || sampled > decide;
+  }
 
   struct Largest {
     double value, dry;  ///< without dry friction, and what that adds; no roundings in them
@@ -39,8 +52,9 @@ class AccelerationBoxes {
                   const Box& box, int sign) const;
   /// Keeps a state where |x| is larger than at all before.
   /// @param value  without dry friction: that is put in by the sign of qd here
-  void remember(const Eigen::VectorXd& row, const std::vector<double>& q,
-                const std::vector<double>& qd, int sign, double value);
+  /// @return with it
+  double remember(const Eigen::VectorXd& row, const std::vector<double>& q,
+                  const std::vector<double>& qd, int sign, double value);
 
   const scene::JointRanges& at(Eigen::Index k) const {
     return (*ranges_)[static_cast<std::size_t>(k)];
@@ -58,6 +72,11 @@ class AccelerationBoxes {
   std::vector<int> active_;
   double seen_ = 0;
   EnvelopeState worst_;
+  Climb climb_;
 };
+
+/// What products of rates are multiplied by in c, by joint; none: nothing.
+using RateProducts = std::map<std::pair<int, int>, std::vector<Polynomial>>;
+RateProducts rateProducts(const TrigonometricModel& model);
 
 }  // namespace dynwitness::crosscheck

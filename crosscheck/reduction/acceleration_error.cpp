@@ -21,14 +21,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using scene::JointRanges;
 using scene::Range;
-using Kind = EnvelopeQuantity::Kind;
 
 constexpr std::size_t kMostCorners = 4000;  ///< remembered at a time: 130 MB for six joints
 
 /// What is known at one corner in q.
 struct Corner {
   MatrixXd values;    ///< of the table
-  MatrixXd vectors;   ///< (l, k) of every i, by column; none: M or M_r has no inverse
+  MatrixXd vectors;   ///< (l, k) of every i, by column; of one model k; none: M or M_r is singular
   MatrixXd residual;  ///< |brackets of (2)| there, by column: roundings
 };
 
@@ -38,13 +37,11 @@ class AccelerationErrors::Search : AccelerationBoxes {
  public:
   /// @param reduced  null: (3)
   Search(const TrigonometricModel& full, const TrigonometricModel* reduced,
-         const std::vector<JointRanges>& ranges, const std::vector<double>& accelerations)
+         const std::vector<JointRanges>& ranges, std::vector<double> accelerations)
       : AccelerationBoxes(full, ranges),
-        is_of_two_(reduced != nullptr),
-        reduced_(reduced ? *reduced : without(full)),
-        off_(reduced ? difference(*reduced, full) : without(full)),
-        accelerations_(Eigen::Map<const VectorXd>(accelerations.data(),
-                                                  static_cast<Index>(accelerations.size()))),
+        reduced_(reduced),
+        size_(reduced ? 2 * n_ : n_),
+        accelerations_(std::move(accelerations)),
         table_(full, ranges, listed()) {
     const auto m = static_cast<std::size_t>(table_.active().size());
     for (Index o = 0; o < table_.columns(); ++o) {
@@ -62,48 +59,51 @@ class AccelerationErrors::Search : AccelerationBoxes {
     addSprings();
   }
 
-  EnvelopeBound over(int i, const std::vector<double>& within, const EnvelopeOptions& options,
-                     double decide) {
-    weights_.resize(1 + 2 * n_);  // of (3) the second rows are 0
-    weights_ << 1, Eigen::Map<const VectorXd>(within.data(), n_), accelerations_;
-    return search(i, table_.active(), options, decide, [&](Box* box) { judge(box); });
+  using AccelerationBoxes::nothingKnown;
+
+  EnvelopeBound over(const EnvelopeBound& before, const std::vector<double>& within,
+                     const EnvelopeOptions& options, double decide) {
+    weights_.resize(1 + size_);
+    weights_(0) = 1;
+    weights_.segment(1, n_) = Eigen::Map<const VectorXd>(within.data(), n_);
+    if (reduced_) weights_.tail(n_) = Eigen::Map<const VectorXd>(accelerations_.data(), n_);
+    return search(
+        before, table_.active(), options, decide, [&](Box* box) { judge(box); },
+        [&](const std::vector<double>& q, const Box& box) { return seenAt(q, box); });
   }
 
  private:
   using CornerAt = std::shared_ptr<const Corner>;
 
-  /// Neither M nor g.
-  static TrigonometricModel without(TrigonometricModel model) {
-    for (std::vector<Polynomial>& row : model.M) row.assign(row.size(), {});
-    model.gravity.assign(model.gravity.size(), {});
-    return model;
-  }
-
-  /// M_r, D and M, column by column; then of each source d and h.
+  /// M_r, D and M, column by column; then of each source d and h. Of one model M and h.
   std::vector<Polynomial> listed() {
     std::vector<Polynomial> all;
-    for (const TrigonometricModel* model : {&reduced_, &off_, &model_})
-      for (std::size_t b = 0; b < model->M.size(); ++b)
-        for (std::size_t a = 0; a < model->M.size(); ++a) all.push_back(model->M[a][b]);
+    const auto addMatrix = [&](const TrigonometricModel& model) {
+      for (std::size_t b = 0; b < model.M.size(); ++b)
+        for (std::size_t a = 0; a < model.M.size(); ++a) all.push_back(model.M[a][b]);
+    };
+    RateProducts full = rateProducts(model_), off;
     sources_.assign(1, {-1, -1});
-    for (const Polynomial& f : off_.gravity) all.push_back(f);
+    if (reduced_) {
+      const TrigonometricModel d = difference(*reduced_, model_);
+      addMatrix(*reduced_);
+      addMatrix(d);
+      addMatrix(model_);
+      all.insert(all.end(), d.gravity.begin(), d.gravity.end());
+      off = rateProducts(d);
+      for (const auto& [pair, column] : off) full[pair].resize(column.size());
+    } else {
+      addMatrix(model_);
+    }
     for (std::size_t j = 0; j < model_.gravity.size(); ++j) {
       all.push_back(model_.gravity[j]);
       add(model_.loads[j], 1, &all.back());
     }
-    std::map<std::pair<int, int>, std::vector<Polynomial>> pairs;
-    for (const TrigonometricModel* model : {&off_, &model_})
-      for (int j = 0; j < model->dof; ++j)
-        for (EnvelopePart& part : envelopeParts(*model, {Kind::kC, j, 0})) {
-          if (part.j < 0) continue;
-          std::vector<Polynomial>& column = pairs[{part.j, part.k}];
-          column.resize(2 * model->M.size());
-          column[static_cast<std::size_t>(j) + (model == &off_ ? 0 : model->M.size())] =
-              std::move(part.f);
-        }
-    for (auto& [pair, column] : pairs) {
+    for (const auto& [pair, column] : full) {
       sources_.push_back(pair);
-      for (Polynomial& f : column) all.push_back(std::move(f));
+      if (reduced_) off[pair].resize(column.size());
+      for (const Polynomial& f : off[pair]) all.push_back(f);
+      all.insert(all.end(), column.begin(), column.end());
     }
     most_.resize(static_cast<Index>(sources_.size()));
     for (Index s = 0; s < most_.size(); ++s) {
@@ -115,18 +115,18 @@ class AccelerationErrors::Search : AccelerationBoxes {
 
   template <typename Column>
   Eigen::Map<const MatrixXd> sources(const Column& column) const {
-    return {column.data() + 3 * n_ * n_, 2 * n_, most_.size()};
+    return {column.data() + (reduced_ ? 3 : 1) * n_ * n_, size_, most_.size()};
   }
   /// Of magnitudes: what multiplies (l, k) in (2): the forces, each with the most that rates make
-  /// of it, and both brackets.
+  /// of it, and both brackets; k and one bracket in (3).
   template <typename Column>
   MatrixXd operatorOf(const Column& column) const {
-    MatrixXd out = MatrixXd::Zero(1 + 2 * n_, 2 * n_);
+    MatrixXd out = MatrixXd::Zero(1 + size_, size_);
     const VectorXd contiguous = column;
     out.row(0) = (sources(contiguous) * most_).transpose();
     out.block(1, 0, n_, n_) = Eigen::Map<const MatrixXd>(contiguous.data(), n_, n_);
-    out.block(1 + n_, 0, n_, 2 * n_) =
-        Eigen::Map<const MatrixXd>(contiguous.data() + n_ * n_, n_, 2 * n_);
+    if (reduced_)
+      out.bottomRows(n_) = Eigen::Map<const MatrixXd>(contiguous.data() + n_ * n_, n_, size_);
     return out;
   }
 
@@ -136,11 +136,11 @@ class AccelerationErrors::Search : AccelerationBoxes {
       const Index j = table_.active()[k];
       const double stiffness = most(of(model_.stiffness, j));
       const double stretch = at(j).q.most() + most(of(model_.rest, j));
-      lost_[0](0, n_ + j) += of(model_.stiffness, j).bound() * stretch +
-                             stiffness * (of(model_.rest, j).bound() + kLost * stretch);
-      lost_[1 + k](0, n_ + j) += of(model_.stiffness, j).bound();
-      largest_[0](0, n_ + j) += stiffness * stretch;
-      largest_[1 + k](0, n_ + j) += stiffness;
+      lost_[0](0, size_ - n_ + j) += of(model_.stiffness, j).bound() * stretch +
+                                     stiffness * (of(model_.rest, j).bound() + kLost * stretch);
+      lost_[1 + k](0, size_ - n_ + j) += of(model_.stiffness, j).bound();
+      largest_[0](0, size_ - n_ + j) += stiffness * stretch;
+      largest_[1 + k](0, size_ - n_ + j) += stiffness;
     }
   }
 
@@ -152,7 +152,8 @@ class AccelerationErrors::Search : AccelerationBoxes {
     auto out = std::make_shared<Corner>();
     out->values = table_.at(q);
     for (std::size_t k = 0; k < q.size(); ++k) {
-      const Index j = table_.active()[k], row = 3 * n_ * n_ + n_ + j;
+      const Index j = table_.active()[k];
+      const Index row = (reduced_ ? 3 : 1) * n_ * n_ + size_ - n_ + j;
       const double stiffness = of(model_.stiffness, j).value();
       out->values(row, 0) += stiffness * (q[k] - of(model_.rest, j).value());
       out->values(row, 1 + static_cast<Index>(k)) += stiffness;
@@ -160,63 +161,66 @@ class AccelerationErrors::Search : AccelerationBoxes {
     const auto matrix = [&](Index b) {
       return Eigen::Map<const MatrixXd>(out->values.data() + b * n_ * n_, n_, n_);
     };
-    const Eigen::LLT<MatrixXd> full(matrix(2));
+    const Eigen::LLT<MatrixXd> full(matrix(reduced_ ? 2 : 0));
     const MatrixXd unit = MatrixXd::Identity(n_, n_);
-    MatrixXd l = MatrixXd::Zero(n_, n_), to = -unit;  // D l
-    if (is_of_two_) {
+    MatrixXd vectors(size_, n_), to = -unit;  // D l
+    if (reduced_) {
       const Eigen::LLT<MatrixXd> reduced(matrix(0));
       if (reduced.info() != Eigen::Success) return out;
-      l = reduced.solve(unit);
-      to = matrix(1) * l;
+      vectors.topRows(n_) = reduced.solve(unit);
+      to = matrix(1) * vectors.topRows(n_);
     }
-    const MatrixXd k = -full.solve(to);
-    if (full.info() != Eigen::Success || !l.allFinite() || !k.allFinite()) return out;
-    out->vectors.resize(2 * n_, n_);
-    out->vectors << l, k;
-    out->residual.setZero(1 + 2 * n_, n_);
-    if (is_of_two_) out->residual.middleRows(1, n_) = (unit - matrix(0) * l).cwiseAbs();
-    out->residual.bottomRows(n_) = (to + matrix(2) * k).cwiseAbs();
+    vectors.bottomRows(n_) = -full.solve(to);
+    if (full.info() != Eigen::Success || !vectors.allFinite()) return out;
+    out->residual.setZero(1 + size_, n_);
+    if (reduced_)
+      out->residual.middleRows(1, n_) = (unit - matrix(0) * vectors.topRows(n_)).cwiseAbs();
+    out->residual.bottomRows(n_) =
+        (to + matrix(reduced_ ? 2 : 0) * vectors.bottomRows(n_)).cwiseAbs();
+    out->vectors = vectors;
     return out;
   }
 
   void judge(Box* box) {
-    const std::size_t m = box->q.size(), count = std::size_t{1} << m;
-    std::vector<CornerAt> corners;
-    std::vector<double> q(m);
-    for (std::size_t bits = 0; bits < count; ++bits) {
-      for (std::size_t k = 0; k < m; ++k)
-        q[k] = (bits >> k & 1) != 0 ? box->q[k].high : box->q[k].low;
-      corners.push_back(corner(q));
-      if (corners.back()->vectors.size() == 0) return haveNoBound(box);
-    }
+    std::vector<CornerAt> corners(std::size_t{1} << box->q.size());  // by their ends; none: again
+    VectorXd mean = VectorXd::Zero(size_), residual = VectorXd::Zero(1 + size_);
+    const bool are_all = forCorners(*box, [&](std::size_t ends, const std::vector<double>& q) {
+      corners[ends] = corner(q);
+      if (corners[ends]->vectors.size() == 0) return false;
+      mean = mean.cwiseMax(corners[ends]->vectors.col(i_).cwiseAbs());
+      residual = residual.cwiseMax(corners[ends]->residual.col(i_));
+      return true;
+    });
+    if (!are_all) return haveNoBound(box);
+    const double lost = lostAt(mean, residual);
     double largest = 0;
-    VectorXd concave = VectorXd::Zero(n_), mean = VectorXd::Zero(2 * n_),
-             residual = VectorXd::Zero(1 + 2 * n_);
-    for (std::size_t bits = 0; bits < count; ++bits) {
-      const Corner& c = *corners[bits];
-      mean = mean.cwiseMax(c.vectors.col(i_).cwiseAbs());
-      residual = residual.cwiseMax(c.residual.col(i_));
-    }
-    const double lost = lostAt(mean);
-    lost_most_ = std::max(lost_most_, lost);
-    const double rounded = weights_.dot(residual + 4 * lost_[0] * mean);
-    for (std::size_t bits = 0; bits < count; ++bits) {
-      for (std::size_t k = 0; k < m; ++k)
-        q[k] = (bits >> k & 1) != 0 ? box->q[k].high : box->q[k].low;
-      largest = std::max(largest, largestAt(*corners[bits], q, *box, lost + rounded, &concave));
-    }
-    addBetween(corners, mean, concave, largest + lost + rounded, box);
+    VectorXd concave = VectorXd::Zero(n_);
+    forCorners(*box, [&](std::size_t ends, const std::vector<double>& q) {
+      largest = std::max(largest, largestAt(*corners[ends], q, *box, lost, &concave).bound);
+      return true;
+    });
+    addBetween(corners, mean, concave, largest + lost, box);
   }
 
-  /// Of the forces in (2), all over a box.
-  double lostAt(const VectorXd& mean) const {
-    double out = 2 * lost_[0].row(0).dot(mean);
+  /// What is seen at one q.
+  double seenAt(const std::vector<double>& q, const Box& box) {
+    const CornerAt c = computed(q);
+    if (c->vectors.size() == 0) return 0;
+    VectorXd concave = VectorXd::Zero(n_);
+    const double lost = lostAt(c->vectors.col(i_).cwiseAbs(), c->residual.col(i_));
+    return largestAt(*c, q, box, lost, &concave).seen;
+  }
+
+  /// Of the forces in (2) and of the brackets, where (l, k) is at most `mean`.
+  double lostAt(const VectorXd& mean, const VectorXd& residual) {
+    double out = 2 * lost_[0].row(0).dot(mean) + weights_.dot(residual + 4 * lost_[0] * mean);
     for (Index j = 0; j < n_; ++j)
-      out += mean(n_ + j) *
+      out += mean(size_ - n_ + j) *
              (of(model_.positive, j).bound() + of(model_.negative, j).bound() +
               of(model_.viscous, j).bound() * at(j).qd.most() +
               kLost * (at(j).tau->most() + most(of(model_.viscous, j)) * at(j).qd.most() +
                        most(of(model_.positive, j)) + most(of(model_.negative, j))));
+    lost_most_ = std::max(lost_most_, out);
     return out;
   }
 
@@ -232,9 +236,12 @@ class AccelerationErrors::Search : AccelerationBoxes {
       }
   }
 
-  /// The largest |e_i| at a corner in q.
-  double largestAt(const Corner& c, const std::vector<double>& q, const Box& box, double lost,
-                   VectorXd* concave) {
+  /// The largest |e_i| at a corner in q: a bound but for `lost`, and what is surely reached.
+  struct AtCorner {
+    double bound = 0, seen = 0;
+  };
+  AtCorner largestAt(const Corner& c, const std::vector<double>& q, const Box& box, double lost,
+                     VectorXd* concave) {
     const VectorXd v = c.vectors.col(i_), row = v.tail(n_);
     const VectorXd answers = -(sources(c.values.col(0)).transpose() * v);
     MatrixXd form = MatrixXd::Zero(n_, n_);
@@ -244,14 +251,15 @@ class AccelerationErrors::Search : AccelerationBoxes {
       if (sources_[s].first == sources_[s].second)
         (*concave)(sources_[s].first) = std::max((*concave)(sources_[s].first), std::abs(y));
     }
-    double best = 0;
+    AtCorner out;
     for (const int sign : {1, -1}) {
       const Largest of_sign = largest(row, answers(0), form, box, sign);
       const double rounded = kLost * std::abs(of_sign.value);
-      remember(row, q, of_sign.qd, sign, of_sign.value - lost - rounded);
-      best = std::max(best, of_sign.value + of_sign.dry + rounded);
+      out.seen =
+          std::max(out.seen, remember(row, q, of_sign.qd, sign, of_sign.value - lost - rounded));
+      out.bound = std::max(out.bound, of_sign.value + of_sign.dry + rounded);
     }
-    return best;
+    return out;
   }
 
   /// How l and k change in a box: the largest of their magnitudes and divided differences.
@@ -263,14 +271,14 @@ class AccelerationErrors::Search : AccelerationBoxes {
   Slopes slopesOf(const std::vector<CornerAt>& corners, const Box& box,
                   const VectorXd& mean) const {
     const std::size_t m = box.q.size();
-    const VectorXd none = VectorXd::Zero(2 * n_);
+    const VectorXd none = VectorXd::Zero(size_);
     Slopes out{mean, {}, std::vector<std::vector<VectorXd>>(m, std::vector<VectorXd>(m, none))};
     const auto v = [&](std::size_t bits) { return corners[bits]->vectors.col(i_); };
     for (std::size_t k = 0; k < m; ++k) {
       const double width = 2 * half(box.q[k]);
       VectorXd first = none;
       for (std::size_t bits = 0; width > 0 && bits < corners.size(); ++bits) {
-        if ((bits >> k & 1) != 0) continue;
+        if (!corners[bits] || (bits >> k & 1) != 0) continue;
         const std::size_t up = bits | std::size_t{1} << k;
         first = first.cwiseMax((v(up) - v(bits)).cwiseAbs() / width);
         for (std::size_t l = 0; l < k; ++l) {
@@ -291,8 +299,9 @@ class AccelerationErrors::Search : AccelerationBoxes {
   VectorXd curvature(const std::vector<CornerAt>& corners, const Box& box, std::size_t k) const {
     const auto m = static_cast<Index>(box.q.size()), o = 1 + static_cast<Index>(k);
     const double width = 2 * half(box.q[k]);
-    VectorXd out = VectorXd::Zero(1 + 2 * n_);
+    VectorXd out = VectorXd::Zero(1 + size_);
     for (std::size_t bits = 0; bits < corners.size(); ++bits) {
+      if (!corners[bits]) continue;
       const Corner& c = *corners[bits];
       const std::size_t bit = std::size_t{1} << k;
       const VectorXd v = c.vectors.col(i_), slope = (corners[bits | bit]->vectors.col(i_) -
@@ -308,8 +317,9 @@ class AccelerationErrors::Search : AccelerationBoxes {
                                .dot(most_));
       out.segment(1, n_) = out.segment(1, n_).cwiseMax(
           (block(first, 0, 1) * slope.head(n_) + block(second, 0, 1) * v.head(n_)).cwiseAbs());
-      out.tail(n_) =
-          out.tail(n_).cwiseMax((block(first, 1, 2) * slope + block(second, 1, 2) * v).cwiseAbs());
+      if (reduced_)
+        out.tail(n_) = out.tail(n_).cwiseMax(
+            (block(first, 1, 2) * slope + block(second, 1, 2) * v).cwiseAbs());
     }
     return out;
   }
@@ -349,9 +359,9 @@ class AccelerationErrors::Search : AccelerationBoxes {
     box->split = adds.maxCoeff(&most) > 0 ? static_cast<int>(most) : -1;
   }
 
-  bool is_of_two_;
-  const TrigonometricModel reduced_, off_;
-  VectorXd accelerations_;
+  const TrigonometricModel* reduced_;  ///< none: (3)
+  Index size_;                         ///< of (l, k), or of k
+  std::vector<double> accelerations_;
   std::vector<std::pair<int, int>> sources_;  ///< qd_a qd_b; -1: gravity, loads and springs
   VectorXd most_;                             ///< that each is multiplied by
   PolynomialTable table_;
@@ -369,14 +379,19 @@ AccelerationErrors::AccelerationErrors(const TrigonometricModel& full,
                                        const std::vector<double>& accelerations)
     : search_(std::make_unique<Search>(full, &reduced, ranges, accelerations)) {}
 AccelerationErrors::AccelerationErrors(const TrigonometricModel& model,
-                                       const std::vector<JointRanges>& ranges,
-                                       const std::vector<double>& accelerations)
-    : search_(std::make_unique<Search>(model, nullptr, ranges, accelerations)) {}
+                                       const std::vector<JointRanges>& ranges)
+    : search_(std::make_unique<Search>(model, nullptr, ranges, std::vector<double>())) {}
 AccelerationErrors::~AccelerationErrors() = default;
 
 EnvelopeBound AccelerationErrors::of(int i, const std::vector<double>& within,
                                      const EnvelopeOptions& options, double decide) {
-  return search_->over(i, within, options, decide);
+  return search_->over(Search::nothingKnown(i), within, options, decide);
+}
+
+EnvelopeBound AccelerationErrors::better(const EnvelopeBound& before,
+                                         const std::vector<double>& within,
+                                         const EnvelopeOptions& options, double decide) {
+  return search_->over(before, within, options, decide);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -38,7 +38,7 @@ namespace dynwitness::crosscheck {
 
         qdd_i = k's + (u_i - M k)'qdd                                                        (3)
 
-    with what is already known of qdd.
+    with what is already known of qdd: no more is put in than what holds, so that each is a bound.
     @throws scene::InputError  more monomials than the table takes */
 class AccelerationErrors {
  public:
@@ -48,16 +48,19 @@ class AccelerationErrors {
                      const std::vector<scene::JointRanges>& ranges,
                      const std::vector<double>& accelerations);
   /// Of one model: of() bounds |qdd_i| by (3).
-  AccelerationErrors(const TrigonometricModel& model, const std::vector<scene::JointRanges>& ranges,
-                     const std::vector<double>& accelerations);
+  AccelerationErrors(const TrigonometricModel& model,
+                     const std::vector<scene::JointRanges>& ranges);
   ~AccelerationErrors();
 
   /** By (2) or (3), `sampled` is what was seen at a corner less its roundings.
-      @param within  |e_j| that are asked for, or known, all > 0; ignored by (3)
+      @param within  |e_j| that are asked for, or known, all > 0; by (3) what is known of |qdd_j|
       @param decide  as boundOfParts()
       @return by (2), `certified` is a bound if all i stay within `within`, and else none */
   EnvelopeBound of(int i, const std::vector<double>& within, const EnvelopeOptions& options,
                    double decide);
+  /// The same where something is known of it: what comes back is no worse.
+  EnvelopeBound better(const EnvelopeBound& before, const std::vector<double>& within,
+                       const EnvelopeOptions& options, double decide);
 
  private:
   class Search;

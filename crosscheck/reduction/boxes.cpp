@@ -11,6 +11,9 @@
 namespace dynwitness::crosscheck {
 namespace {
 
+/// Boxes before corners are climbed from: by then most arms of three joints have their bound.
+constexpr int kFirstLook = 64;
+
 struct SmallerBound {
   bool operator()(const Box& a, const Box& b) const { return a.bound < b.bound; }
 };
@@ -32,12 +35,12 @@ std::vector<double> mostOfLater(const Eigen::MatrixXd& form, const Eigen::Vector
 }  // namespace
 
 BoxesSeen bestFirst(Box whole, int boxes, const std::function<void(Box*)>& judge,
-                    const std::function<bool(double)>& isKnown) {
+                    const std::function<bool(double)>& isKnown, const std::function<void()>& look) {
   const scene::Work work("boxes", boxes);
   std::priority_queue<Box, std::vector<Box>, SmallerBound> queue;
   judge(&whole);
   queue.push(std::move(whole));
-  int count = 1;
+  int count = 1, next_look = kFirstLook;
   while (queue.top().split >= 0 && !isKnown(queue.top().bound) && count < boxes) {
     const Box box = queue.top();
     queue.pop();
@@ -51,8 +54,45 @@ BoxesSeen bestFirst(Box whole, int boxes, const std::function<void(Box*)>& judge
       queue.push(std::move(part));
       ++count;
     }
+    if (count >= next_look) {
+      look();
+      next_look *= 2;
+    }
   }
   return {queue.top().bound, count};
+}
+
+void Climb::saw(double value, const std::vector<double>& q) {
+  if (!(value > value_)) return;
+  value_ = value;
+  q_ = q;
+}
+
+void Climb::from(const std::vector<scene::Range>& ranges,
+                 const std::function<double(const std::vector<double>&)>& at) {
+  std::vector<double> q = q_;
+  double best = value_;
+  const auto moved = [&](std::size_t k, double by) {
+    const double before = q[k];
+    q[k] = std::clamp(before + by, ranges[k].low, ranges[k].high);
+    if (q[k] != before)
+      if (const double value = at(q); value > best) {
+        best = value;
+        return true;
+      }
+    q[k] = before;
+    return false;
+  };
+  for (double share = 0.25; !q.empty() && share >= 1.0 / 1024; share /= 2) {
+    bool any = true;
+    while (any) {
+      any = false;
+      for (std::size_t k = 0; k < q.size(); ++k)
+        for (const double by : {share, -share})
+          while (moved(k, by * (ranges[k].high - ranges[k].low))) any = true;
+    }
+  }
+  start();
 }
 
 double largestAtRates(const Eigen::MatrixXd& form, const Eigen::VectorXd& linear,

@@ -34,15 +34,51 @@ inline double half(const scene::Range& r) {
   return 0.5 * (r.high - r.low);
 }
 
+/// The corners of a box in q, an edge of no length having one end, until one is refused.
+/// @param visit  visit(ends, q), in bit k of `ends` whether q_k is the upper one. @return to go on
+/// @return whether all were visited
+template <typename Visit>
+bool forCorners(const Box& box, const Visit& visit) {
+  std::vector<double> q(box.q.size());
+  for (std::size_t ends = 0; ends < std::size_t{1} << q.size(); ++ends) {
+    bool again = false;
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      const bool upper = (ends >> k & 1) != 0;
+      q[k] = upper ? box.q[k].high : box.q[k].low;
+      again = again || (upper && box.q[k].high == box.q[k].low);
+    }
+    if (!again && !visit(ends, q)) return false;
+  }
+  return true;
+}
+
 struct BoxesSeen {
   double bound;  ///< the largest of all boxes'
   int count;     ///< judged
 };
 /** Halves the box with the largest bound, across the variable that adds most, until isKnown(bound)
     or the budget of boxes is spent.
-    @param judge  sets bound and split of a box */
+    @param judge  sets bound and split of a box
+    @param look   now and then, the more boxes the more seldom: looks for what is larger than all
+      that was seen at corners */
 BoxesSeen bestFirst(Box whole, int boxes, const std::function<void(Box*)>& judge,
-                    const std::function<bool(double)>& isKnown);
+                    const std::function<bool(double)>& isKnown, const std::function<void()>& look);
+
+/** What is seen of a function of q beside the corners of boxes, which are few in many dimensions:
+    from the largest corner since it last climbed one coordinate after the other is moved as long as
+    that makes it larger, by a quarter of its range first and 2^-10 of it in the end. */
+class Climb {
+ public:
+  void start() { *this = {}; }
+  void saw(double value, const std::vector<double>& q);
+  /// @param at  the function; as it must not leave what is bounded, q stays in these ranges
+  void from(const std::vector<scene::Range>& ranges,
+            const std::function<double(const std::vector<double>&)>& at);
+
+ private:
+  double value_ = -HUGE_VAL;
+  std::vector<double> q_;
+};
 
 /** The largest of sign (sum_{b<=a} form(a, b) qd_a qd_b + linear'qd) over the corners of a box.
     @param form  lower triangle

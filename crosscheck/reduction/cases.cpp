@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/states_file.hpp"
+#include "crosscheck/reduction/acceleration.hpp"
 #include "crosscheck/reduction/envelope.hpp"
 #include "crosscheck/reduction/uncertainty.hpp"
 #include "scene/work.hpp"
@@ -86,10 +87,7 @@ class OneScene {
   void take(const EnvelopeQuantity& quantity, bool is_first, EnvelopeBound* best) {
     if (quantity.kind == Kind::kReaction && (quantity.j == 0 || reaction_.front().empty()))
       reaction_ = reactionParts(scene_, quantity.i);
-    const std::unique_ptr<BoundedQuantity> bounded = boundedQuantity(
-        model_, hull_, quantity,
-        quantity.kind == Kind::kReaction ? reaction_[static_cast<std::size_t>(quantity.j)]
-                                         : std::vector<EnvelopePart>());
+    const std::unique_ptr<BoundedQuantity> bounded = boundedOf(quantity);
     scene::Work work("boxes of the motion", static_cast<double>(boxes_.size()));
     for (const std::vector<JointRanges>& box : boxes_) {
       if (is_first) {
@@ -114,6 +112,31 @@ class OneScene {
   }
 
  private:
+  /// One of all accelerations, which share their work.
+  class Acceleration : public BoundedQuantity {
+   public:
+    Acceleration(AccelerationBounds* all, int i) : all_(all), i_(i) {}
+    EnvelopeBound over(const std::vector<JointRanges>& box, const EnvelopeOptions& options,
+                       double decide) override {
+      return all_->over(i_, box, options, decide);
+    }
+
+   private:
+    AccelerationBounds* all_;
+    int i_;
+  };
+
+  std::unique_ptr<BoundedQuantity> boundedOf(const EnvelopeQuantity& quantity) {
+    if (quantity.kind == Kind::kQdd) {
+      if (!accelerations_) accelerations_ = std::make_unique<AccelerationBounds>(model_, hull_);
+      return std::make_unique<Acceleration>(accelerations_.get(), quantity.i);
+    }
+    return boundedQuantity(model_, hull_, quantity,
+                           quantity.kind == Kind::kReaction
+                               ? reaction_[static_cast<std::size_t>(quantity.j)]
+                               : std::vector<EnvelopePart>());
+  }
+
   /// What the sweeps say at its worst state, not the polynomials.
   void see(const EnvelopeBound& mine, EnvelopeBound* best) const {
     if (mine.worst.q.empty()) return;
@@ -133,6 +156,7 @@ class OneScene {
   std::vector<JointRanges> hull_;
   TrigonometricModel model_;
   std::array<std::vector<EnvelopePart>, 6> reaction_;
+  std::unique_ptr<AccelerationBounds> accelerations_;
 };
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include "crosscheck/reduction/acceleration.hpp"
 #include "crosscheck/reduction/boxes.hpp"
 #include "crosscheck/reduction/corners.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
@@ -72,6 +71,7 @@ class Search : public BoundedQuantity {
     ranges_ = &box;
     seen_ = 0;
     worst_ = {};
+    climb_.start();
     EnvelopeBound out;
     out.quantity = quantity_;
     Box whole;
@@ -82,6 +82,10 @@ class Search : public BoundedQuantity {
         [&](double bound) {
           const double seen = seen_ - 2 * slack_;
           return decide < 0 ? bound <= options.ratio * seen : bound <= decide || seen > decide;
+        },
+        [&] {
+          climb_.from(whole.q,
+                      [&](const std::vector<double>& q) { return seenAt(computed(q), q, whole); });
         });
     out.certified = seen.bound;
     out.boxes = seen.count;
@@ -323,15 +327,8 @@ class Search : public BoundedQuantity {
     VectorXd curvature = VectorXd::Zero(static_cast<Eigen::Index>(m));
     MatrixXd concave = MatrixXd::Constant(static_cast<Eigen::Index>(rates_.size()), 2, -HUGE_VAL);
     double largest[] = {-HUGE_VAL, -HUGE_VAL};  // of f, of -f
-    std::vector<double> q(m), qd;
-    for (std::size_t bits = 0; bits < std::size_t{1} << m; ++bits) {
-      bool again = false;  // an edge of no length has one end
-      for (std::size_t k = 0; k < m; ++k) {
-        const bool upper = (bits >> k & 1) != 0;
-        q[k] = upper ? box->q[k].high : box->q[k].low;
-        again = again || (upper && box->q[k].high == box->q[k].low);
-      }
-      if (again) continue;
+    std::vector<double> qd;
+    forCorners(*box, [&](std::size_t, const std::vector<double>& q) {
       const Corner& at_q = corner(q);
       curvature = curvature.cwiseMax(at_q.curvature);
       for (std::size_t a = 0; a < rates_.size(); ++a) {
@@ -347,11 +344,23 @@ class Search : public BoundedQuantity {
         most = std::max(most, value + mostOfDryFriction(*box, sign));
         remember(at_q, q, qd, sign, value);
       }
-    }
+      return true;
+    });
     box->bound = 0;
     box->split = -1;
     for (const int negative : {0, 1})
       addInterpolation(curvature, concave.col(negative), largest[negative], negative == 1, box);
+  }
+
+  /// The largest |x| that is seen at corners in qd of a box.
+  double seenAt(const Corner& at_q, const std::vector<double>& q, const Box& box) {
+    double most = 0;
+    std::vector<double> qd;
+    for (const int sign : {1, -1}) {
+      const double value = still(at_q, q, sign) + mostOfRates(at_q, box, sign, &qd);
+      most = std::max(most, remember(at_q, q, qd, sign, value));
+    }
+    return most;
   }
 
   /// The largest of sign (f + spring + sum a_j qdd_j).
@@ -372,12 +381,14 @@ class Search : public BoundedQuantity {
   }
 
   /// @param value  without dry friction: that is put in by its sign here
-  void remember(const Corner& at_q, const std::vector<double>& q, const std::vector<double>& qd,
-                int sign, double value) {
+  /// @return with it
+  double remember(const Corner& at_q, const std::vector<double>& q, const std::vector<double>& qd,
+                  int sign, double value) {
     for (std::size_t a = 0; beside_.friction && a < rates_.size(); ++a)
       if (rates_[a] == quantity_.i && qd[a] != 0)
         value += sign * (qd[a] > 0 ? of(model_.positive).value() : -of(model_.negative).value());
-    if (!(value > seen_)) return;
+    climb_.saw(value, q);
+    if (!(value > seen_)) return value;
     seen_ = value;
     worst_ = {};
     for (int k = 0; k < model_.dof; ++k) {
@@ -393,6 +404,7 @@ class Search : public BoundedQuantity {
       if (parts_[p].j >= 0 && parts_[p].k < 0 &&
           sign * at_q.values(static_cast<Eigen::Index>(p)) >= 0)
         worst_.qdd[static_cast<std::size_t>(parts_[p].j)] = at(parts_[p].j).qdd.high;
+    return value;
   }
 
   /// What lies between the corners, by variable, of f or of -f; there springs' energy is concave.
@@ -437,6 +449,7 @@ class Search : public BoundedQuantity {
   CornersKnown<Corner> corners_{kMostCorners};
   double seen_ = 0;
   EnvelopeState worst_;
+  Climb climb_;
 };
 
 }  // namespace
@@ -459,7 +472,6 @@ std::unique_ptr<BoundedQuantity> boundedQuantity(const TrigonometricModel& model
                                                  const std::vector<JointRanges>& within,
                                                  const EnvelopeQuantity& quantity,
                                                  const std::vector<EnvelopePart>& parts) {
-  if (quantity.kind == Kind::kQdd) return boundedAcceleration(model, within, quantity);
   if (quantity.kind == Kind::kReaction)
     return std::make_unique<Search>(model, within, quantity, parts, Beside());
   return std::make_unique<Search>(model, within, quantity);

@@ -10,7 +10,7 @@ namespace dynwitness::crosscheck {
     and tau of the envelope: scenes without terms, of which the one with the fewest parameters is
     taken that is within what is allowed and takes fewer operations of forward dynamics.
 
-    The scene's accelerations are bounded first (boundedAcceleration()), then the errors at the
+    The scene's accelerations are bounded first (AccelerationBounds), then the errors at the
     same q, qd and tau (AccelerationErrors), by what is allowed of all joints together. */
 Reduction reducedInAcceleration(const scene::Scene& scene,
                                 const std::vector<scene::JointRanges>& ranges,

@@ -234,15 +234,13 @@ BOOST_AUTO_TEST_CASE(link_lines_say_what_the_rules_say) {
     for (std::string word; words >> word;)
       linked["cli"].insert(word.substr(std::string("dynwitness::").size()));
   }
-  // the module is of floors that are compiled once more, and of headers
+  // so has the module
   const std::string python =
       textOf(fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/cmake/python.cmake");
-  static const std::regex floors(R"re(\nforeach\(floor ([^)]*)\))re");
-  std::smatch found;
-  BOOST_TEST_REQUIRE(std::regex_search(python, found, floors));
-  std::istringstream words(found[1].str());
-  linked["python"].insert("recursive");
-  for (std::string word; words >> word;) linked["python"].insert(word);
+  static const std::regex ours(R"re(\bdynwitness::(\w+))re");
+  for (auto it = std::sregex_iterator(python.begin(), python.end(), ours);
+       it != std::sregex_iterator(); ++it)
+    linked["python"].insert((*it)[1]);
   for (const Rule& rule : kRules) {
     if (!rule.isFloor()) continue;
     BOOST_TEST_CONTEXT(rule.folder)

@@ -13,6 +13,8 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/reduction/acceleration.hpp"
+#include "crosscheck/reduction/boxes.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace data = boost::unit_test::data;
@@ -190,6 +192,57 @@ BOOST_AUTO_TEST_CASE(accelerations_of_six_joints_are_bounded_near_what_is_seen) 
   for (const EnvelopeBound& bound : boundsOf(scene::findScene("puma_560"), options)) {
     BOOST_TEST(bound.sampled <= bound.certified);
     BOOST_TEST(bound.ratio() <= 1.52, bound.quantity.name());
+  }
+}
+
+// By forward dynamics with articulated bodies in RunningError, which solves no M. Whichever of the
+// two searches saw the state, and however few boxes there were.
+BOOST_AUTO_TEST_CASE(the_acceleration_that_was_seen_is_that_of_the_state_beside_it) {
+  for (const char* name : {"planar_3r", "puma_560"}) {
+    const scene::Scene scene = scene::findScene(name);
+    const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
+    const TrigonometricModel model = trigonometricModel(scene);
+    for (const int boxes : {1, 300, 600}) {  // 300 belong to the first search
+      AccelerationBounds bounds(model, ranges);
+      EnvelopeOptions options;
+      options.boxes = boxes;
+      options.ratio = 1.05;
+      for (int i = 0; i < model.dof; ++i) {
+        const EnvelopeBound bound = bounds.over(i, ranges, options, -1);
+        BOOST_TEST_REQUIRE(bound.worst.q.size() == ranges.size());
+        const RunningError qdd = sweptQuantity(scene, bound.quantity, bound.worst);
+        const double seen = std::abs(qdd.value());
+        BOOST_TEST(bound.sampled <= seen + qdd.bound());
+        BOOST_TEST(bound.sampled >= seen - qdd.bound() - 2 * bound.lost);
+        BOOST_TEST(bound.quantity.i == i);
+      }
+    }
+  }
+}
+
+// By hand: cos(x - 0.3) + cos(y + 0.2) is 2 at (0.3, -0.2), and falls by half the squares beside
+// it; where that lies outside the ranges, the largest is at their end.
+BOOST_AUTO_TEST_CASE(a_climb_ends_where_a_function_is_largest) {
+  const auto f = [](const std::vector<double>& q) {
+    return std::cos(q[0] - 0.3) + std::cos(q[1] + 0.2);
+  };
+  double best = 0;
+  const auto seen = [&](const std::vector<double>& q) {
+    best = std::max(best, f(q));
+    return f(q);
+  };
+  for (const double high : {1.5, 0.1}) {
+    Climb climb;
+    best = 0;
+    climb.saw(f({-1.5, -1.5}), {-1.5, -1.5});
+    climb.saw(f({-1.5, -1.6}), {-1.5, -1.6});  // less: no place to begin
+    climb.from({{-1.5, high}, {-1.5, 1.5}}, seen);
+    const double most = 1 + (high > 0.3 ? 1 : std::cos(0.3 - high));
+    BOOST_TEST(best <= most);
+    BOOST_TEST(best >= most - std::pow(3.0 / 1024, 2));
+    best = 0;
+    climb.from({{-1.5, high}, {-1.5, 1.5}}, seen);  // nothing was seen since
+    BOOST_TEST(best == 0);
   }
 }
 
