@@ -263,6 +263,8 @@ struct ExpressionParser {
     const char c = at < text.size() ? text[at] : '\0';
     if (isDigit(c) || c == '.') return decimal();
     if (isNameStart(c)) return name();
+    if (c == '*' && at > 0 && text[at - 1] == '*')
+      fail("column " + std::to_string(at) + ": \"**\", allowed: ^ for powers, as in x^2");
     if (c != '(') unexpected("a number, a parameter, pi or \"(\"");
     const std::size_t opened = at++;
     if (++nesting > kMaxNesting) {

@@ -2,6 +2,7 @@
 #include "scene/nearest_name.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <numeric>
 
 namespace dynwitness::scene {
@@ -22,9 +23,25 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+std::string small(std::string word) {
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return word;
+}
+
+std::string sorted(std::string word) {
+  std::sort(word.begin(), word.end());
+  return word;
+}
+
 }  // namespace
 
 std::string nearestName(const std::string& word, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (small(name) == small(word)) return name;
+  if (word.size() >= 3)
+    for (const std::string& name : names)
+      if (sorted(name) == sorted(word)) return name;
   if (word.size() >= 3)
     for (const std::string& name : names)
       if (name.compare(0, word.size(), word) == 0) return name;

@@ -7,10 +7,10 @@
 
 namespace dynwitness::scene {
 
-/** Of these names the first that begins with the word, from three letters on, the shortest that
-    contains it, or the one that fewest letters lead to, inserted, deleted or exchanged
-    (Levenshtein); "" where that is more than a third of the word's letters, or than one of a short
-    word. */
+/** Of these names the first that differs in capitals alone; from three letters on that has the same
+    letters in another order, begins with the word, or is the shortest that contains it; or the one
+    that fewest letters lead to, inserted, deleted or exchanged (Levenshtein), at most a third of
+    the word's, or one of a short word's; or "". */
 std::string nearestName(const std::string& word, const std::vector<std::string>& names);
 
 /// " (did you mean NAME?)" where one is near, otherwise "".

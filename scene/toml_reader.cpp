@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads TOML scenes (data/scenes/README.md).
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -22,9 +24,37 @@
 #include "scene/text_file.hpp"
 #include "scene/toml_file.hpp"
 #include "scene/urdf.hpp"
+#include "scene/words.hpp"
 
 namespace dynwitness::scene {
 namespace {
+
+constexpr std::string_view kTables[] = {"title",      "source",   "gravity",
+                                        "parameters", "link",     "wrench",
+                                        "closure",    "spring",   "acceleration_constraint",
+                                        "start",      "envelope", "like"};
+
+/** The tables of a scene. toml++ says of [[links]] nothing but that the [link.joint] below it, the
+    second, is there already; who reads that does not see why. */
+toml::table tablesOf(const std::string& content, const std::string& file) {
+  try {
+    return parsedToml(content, file);
+  } catch (const InputError& error) {
+    if (std::string_view(error.what()).find("redefine") == std::string_view::npos) throw;
+    std::istringstream lines(content);
+    int number = 1;
+    for (std::string line; std::getline(lines, line); ++number) {
+      const std::string_view header = trimmed(line);
+      if (header.substr(0, 2) != "[[") continue;
+      const std::string name(trimmed(header.substr(2, header.find_first_of(".]", 2) - 2)));
+      if (std::find(std::begin(kTables), std::end(kTables), name) != std::end(kTables)) continue;
+      throw InputError({file, number},
+                       "scene: unknown table [[" + name + "]]" +
+                           didYouMean(name, {std::begin(kTables), std::end(kTables)}));
+    }
+    throw;
+  }
+}
 
 class TomlReader : TomlFile {
  public:
@@ -115,13 +145,25 @@ std::string TomlReader::literal(const toml::node& node) const {
   return result;
 }
 
+/// What "1 kg" and "9.81 m/s^2" have to be told, and no other fault.
+std::string remarkOnUnits(const std::string& text) {
+  const std::size_t word = text.find_first_not_of("0123456789.eE+- ");
+  if (word == 0 || word == std::string::npos ||
+      std::isalpha(static_cast<unsigned char>(text[word])) == 0)
+    return "";
+  const std::size_t end = text.find_last_not_of(' ', word - 1);
+  const bool is_number =
+      end != std::string::npos && std::isdigit(static_cast<unsigned char>(text[end])) != 0;
+  return is_number ? "; numbers have no units here: all is in m, kg, s, rad" : "";
+}
+
 /// An expression whose parameters are not looked up yet.
 Number TomlReader::expression(const toml::node& node, const std::string& what, bool of_time) const {
   const auto read = [&](const std::string& text) {
     try {
       return of_time ? Expression::parseOfTime(text) : Expression::parse(text);
     } catch (const InputError& error) {
-      throw InputError(where(node), what + ": " + error.what());
+      throw InputError(where(node), what + ": " + error.what() + remarkOnUnits(text));
     }
   };
   if (const auto* text = node.as_string()) return read(text->get());
@@ -742,11 +784,7 @@ void TomlReader::readLoads(const toml::table& top) {
 
 void TomlReader::readParts(const toml::table& top) {
   const toml::node* like = top.get("like");
-  const auto checkOwn = [&] {
-    checkKeys(top, "scene",
-              {"title", "source", "gravity", "parameters", "link", "wrench", "closure", "spring",
-               "acceleration_constraint", "start", "envelope", "like"});
-  };
+  const auto checkOwn = [&] { checkKeys(top, "scene", {std::begin(kTables), std::end(kTables)}); };
   if (like)
     readLike(*like, top);
   else
@@ -782,7 +820,7 @@ Scene readSceneToml(const std::string& text, const std::filesystem::path& file) 
 Scene readSceneToml(const std::string& text, const std::filesystem::path& file, InertiaNeed need) {
   const std::string name = file.string();
   const std::string content = withoutMark(text);
-  const toml::table top = parsedToml(content, name);
+  const toml::table top = tablesOf(content, name);
   Scene scene = TomlReader(content, name).read(top);
   scene.file = file;
   scene.name = file.stem().string();

@@ -109,6 +109,9 @@ int run(Arguments arguments) {
   const WitnessKind kind = kindFor(scene, arguments);
   const Examination found = examine(scene, kind, arguments.options);
   progress.reset();
+  if (!found.failure.empty() && !arguments.engines.empty())
+    tell(fmt::format("{} has {:g} s for each answer (--engine-seconds)\n", found.engine,
+                     arguments.limits.seconds));
   const std::string text =
       arguments.format == "json" ? checkJson(found, DYNWITNESS_VERSION) : checkText(found);
   if (arguments.output.empty())
@@ -181,7 +184,8 @@ Run addCheck(CLI::App* command) {
       "values of the scene's\n"
       "parameters: right, right but for a sign or factor, another quantity, or wrong at which "
       "terms.\n"
-      "Exit status: 0 right; 1 wrong, or the program failed.");
+      "The last line names what was judged, unless all was: right in M and g; not answered: c.\n"
+      "Exit status: 0 right in all that was answered; 1 wrong, or the program failed.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -69,7 +69,7 @@ void printReading(const CrosscheckResult& result) {
 
 void printScenes(const CrosscheckResult& result) {
   fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} {}\n", "scene", "dof", "links", "checks", "verdict",
-             "closest to its limit, in any unit");
+             "closest to its limit, of rounding or another (an order, a drift)");
   for (const SceneResult& scene : result.scenes) {
     int disagreeing = 0, answered = 0, partly = 0;
     const CheckResult* closest = nullptr;

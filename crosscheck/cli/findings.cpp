@@ -29,9 +29,10 @@ int printFindings(const std::vector<CheckResult>& checks) {
   bool agree = true;
   for (const CheckResult& check : checks) {
     agree = agree && check.verdict != Verdict::kDisagree;
-    fmt::print("{}{}: {}\n               {}\n",
+    fmt::print("{}{}: {}, by {}{}{}\n               {}\n",
                tonedVerdict(fmt::format("{:<15}", name(check.verdict))), check.name(),
-               check.statement, evidence(check));
+               check.statement, check.left, check.right.empty() ? "" : " and ", check.right,
+               evidence(check));
   }
   return agree ? 0 : 1;
 }

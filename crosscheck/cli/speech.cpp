@@ -78,7 +78,8 @@ std::string tonedReport(const std::string& text) {
   std::istringstream lines(text);
   std::string out;
   for (std::string line; std::getline(lines, line); out += line + "\n") {
-    if (line == "right" || line == "WRONG") line = tonedVerdict(line);
+    if (line == "right" || line == "WRONG" || line.rfind("right in ", 0) == 0)
+      line = tonedVerdict(line);
     for (const char* word : {"right ", "wrong ", "cannot say"})
       if (line.size() > kVerdict && line.compare(0, 2, "  ") == 0 && line[kVerdict - 1] == ' ' &&
           line.compare(kVerdict, std::strlen(word), word) == 0)

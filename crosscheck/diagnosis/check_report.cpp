@@ -146,6 +146,29 @@ std::string diagnosisText(const Examination& e) {
 
 namespace {
 
+/// Quantities that were asked and of which nothing can be said, though there is something to say.
+std::vector<std::string> notAnswered(const Examination& e) {
+  std::vector<std::string> out;
+  for (const QuantityFound& q : e.quantities)
+    if (q.verdict == Judged::kCannotSay && !q.reason.empty()) out.push_back(q.name);
+  return out;
+}
+
+/// The last line: a verdict, and of what, unless of all.
+std::string headlineOf(const Examination& e) {
+  if (e.isWrong()) return "WRONG";
+  const std::vector<std::string> left = notAnswered(e);
+  if (left.empty()) return "right";
+  std::vector<std::string> judged;
+  if (e.model.is_told) judged.push_back("its links");
+  for (const QuantityFound& q : e.quantities)
+    if (q.verdict == Judged::kRight) judged.push_back(q.name);
+  std::string words;
+  for (std::size_t k = 0; k < judged.size(); ++k)
+    words += (k == 0 ? "" : k + 1 < judged.size() ? ", " : " and ") + judged[k];
+  return fmt::format("right in {}; not answered: {}", words, joined(left));
+}
+
 Json modelJson(const ModelExamined& model) {
   Json differences = Json::array();
   for (const ModelDifference& d : model.differences) {
@@ -173,15 +196,19 @@ std::string sentenceOf(const CheckFinding& finding) {
 
 std::string checkText(const Examination& e) {
   std::string out = fmt::format("{} by {} {}, limits of {} precision, {} states\n", e.scene,
-                                e.engine, e.version, e.single ? "single" : "double", e.states);
+                                e.engine, e.version == "unknown" ? "(version not told)" : e.version,
+                                e.single ? "single" : "double", e.states);
   for (const std::string& remark : e.remarks) out += "  " + remark + "\n";
   if (!e.failure.empty()) return out + "FAILED: " + e.failure + "\n";
+  out +=
+      "  digits: the fewest that are right, counted in the quantity's largest entry (\"of\"); ulp: a "
+      "unit of its last place\n";
   out += fmt::format("  {:<10} {:<11}right digits of largest  error, and what rounding may leave\n",
                      "quantity", "verdict");
   out += modelText(e.model);
   for (const QuantityFound& q : e.quantities) out += lineOf(q);
   if (e.isWrong()) out += diagnosisText(e);
-  out += fmt::format("\n{}\n", e.isWrong() ? "WRONG" : "right");
+  out += "\n" + headlineOf(e) + "\n";
   return out;
 }
 
@@ -246,7 +273,8 @@ std::string checkJson(const Examination& e, const std::string& version) {
               {"scalar", e.single ? "float" : "double"},
               {"seed", e.seed},
               {"states", e.states},
-              {"verdict", e.isWrong() ? "wrong" : "right"}};
+              {"verdict", e.isWrong() ? "wrong" : "right"},
+              {"not_answered", notAnswered(e)}};
   if (!e.failure.empty()) out["failure"] = e.failure;
   out["remarks"] = e.remarks;
   if (e.model.is_told) out["model"] = modelJson(e.model);

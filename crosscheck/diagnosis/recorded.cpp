@@ -202,7 +202,6 @@ Recorded readRecorded(const scene::Scene& scene, const std::filesystem::path& an
       all.push_back(inOurs(coordinates, quantity, state, value, file));
     }
   }
-  if (out.states.empty()) throw scene::InputError(file, "no rows, allowed: one or more");
   return out;
 }
 

@@ -19,6 +19,7 @@
 #include "scene/error.hpp"
 #include "scene/faults.hpp"
 #include "scene/mimic.hpp"
+#include "scene/nearest_name.hpp"
 #include "scene/text_file.hpp"
 #include "scene/words.hpp"
 
@@ -230,6 +231,52 @@ struct StatesReader::Parts {
     return columns;
   }
 
+  /// Whether a cell is a number, as no name of a column is.
+  static bool isNumber(std::string_view cell) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    return error == std::errc() && end == cell.data() + cell.size();
+  }
+
+  /// Lines that are no header of ours, whatever the scene.
+  void refuseOtherForms() const {
+    const std::size_t mark = cells[0].find_first_of(";\t ");
+    // a joint may have a name of two words
+    if (cells.size() == 1 && mark != std::string_view::npos &&
+        columnsOfJoints().count(std::string(cells[0])) == 0)
+      throw InputError(
+          lines.where(),
+          fmt::format("the header's columns are separated by {}, allowed: commas, and points in "
+                      "numbers",
+                      cells[0][mark] == ';'    ? "\";\""
+                      : cells[0][mark] == '\t' ? "tabs"
+                                               : "blanks"));
+    if (std::all_of(cells.begin(), cells.end(), isNumber))
+      throw InputError(lines.where(),
+                       fmt::format("'{}' where the header is expected, allowed as the first line: "
+                                   "names of columns, {}",
+                                   cells[0].substr(0, 80), allowedColumns()));
+  }
+
+  /// " (did you mean qd1, qd2?)": of columns that the header has not.
+  std::string meant(const std::vector<std::string>& unknown) const {
+    std::vector<std::string> free, near;
+    const auto add = [&](const std::string& name) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) free.push_back(name);
+    };
+    for (std::size_t group = 0; group < kGroups.size(); ++group)
+      for (int i = 1; i <= count(static_cast<int>(group)); ++i)
+        add(kGroups[group] + std::to_string(i));
+    for (const std::string& name : others.names) add(name);
+    for (const auto& [name, column] : columnsOfJoints()) add(name);
+    std::sort(free.begin(), free.end());
+    constexpr std::size_t kMostGuesses = 8;  // of a file of other numbers nobody wants more
+    for (std::size_t k = 0; k < std::min(unknown.size(), kMostGuesses); ++k)
+      if (const std::string one = scene::nearestName(unknown[k], free); !one.empty())
+        near.push_back(one);
+    return near.empty() ? "" : fmt::format(" (did you mean {}?)", fmt::join(near, ", "));
+  }
+
   void readHeader(std::optional<CoordinateConvention> asked) {
     // 64 bytes are more than a number or a name of a column takes
     std::size_t columns = others.names.size();
@@ -238,6 +285,7 @@ struct StatesReader::Parts {
     lines.setLongest((std::size_t{1} << 16) + 64 * columns);
     if (!nextCells()) throw InputError(lines.where(), "no header, expected " + allowedColumns());
     settle(asked);
+    refuseOtherForms();
     const std::string allowed = allowedColumns();
 
     const std::unordered_map<std::string, std::string> of_joints = columnsOfJoints();
@@ -281,14 +329,16 @@ struct StatesReader::Parts {
       kept_places.push_back(static_cast<int>(k));
     }
     std::vector<std::string> faults;
-    if (!unknown.empty() && !others.are_kept)
-      faults.push_back(fmt::format("column{} {} {} unknown, allowed: {}{}",
-                                   unknown.size() > 1 ? "s" : "", fmt::join(unknown, ", "),
-                                   unknown.size() > 1 ? "are" : "is", allowed, others.remedy));
+    const bool has_unknown = !unknown.empty() && !others.are_kept;
+    if (has_unknown)
+      faults.push_back(fmt::format("column{} {} {} unknown{}", unknown.size() > 1 ? "s" : "",
+                                   fmt::join(unknown, ", "), unknown.size() > 1 ? "are" : "is",
+                                   meant(kept_names)));
     if (!first_missing.empty())
-      faults.push_back(fmt::format("column '{}' is missing, expected {}", first_missing, allowed));
+      faults.push_back(fmt::format("column '{}' is missing", first_missing));
     if (!faults.empty())
-      throw InputError(lines.where(), fmt::format("{}", fmt::join(faults, "; ")));
+      throw InputError(lines.where(), fmt::format("{}, allowed: {}{}", fmt::join(faults, "; "),
+                                                  allowed, has_unknown ? others.remedy : ""));
   }
 
   double number(int place) const {
@@ -365,6 +415,7 @@ struct StatesReader::Parts {
   std::vector<std::string> kept_names;
   std::vector<int> kept_places;
   std::string first_missing;
+  bool has_rows = false;                ///< below the header, so far
   std::vector<std::string_view> cells;  ///< of the last line
 };
 
@@ -419,7 +470,12 @@ double StatesReader::fraction() const {
 
 bool StatesReader::next(scene::State<double>* state) {
   Parts& p = *parts_;
-  if (!p.nextCells()) return false;
+  if (!p.nextCells()) {
+    if (!p.has_rows)
+      throw InputError(p.lines.where(), "no state after the header, expected at least one row");
+    return false;
+  }
+  p.has_rows = true;
   try {
     p.readRow(state);
     return true;

@@ -46,8 +46,8 @@ class StatesReader {
   ~StatesReader();
 
   /** The next state into *state; false at the end.
-      @throws scene::InputError  `file:line: ...` on a row of another length, on entries that are
-        not finite numbers, on quaternions that are zero, and on lines longer than any row can be */
+      @throws scene::InputError  `file:line: ...` on no row at all, a row of another length, entries
+        that are not finite numbers, quaternions that are zero, and lines longer than any row is */
   bool next(scene::State<double>* state);
   /// Whether the header names the columns of "q", "qd", "qdd" or "tau".
   bool gives(const std::string& group) const;

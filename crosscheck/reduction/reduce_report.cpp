@@ -41,7 +41,16 @@ double seenShare(const ReducedModel& model) {
   return most;
 }
 
+bool isWhole(const ReducedModel& model) {
+  return !model.is_explicit && model.parameters.empty() && model.terms.empty();
+}
+
+constexpr const char* kLegend =
+    "\ncertified: no state of [envelope] errs by more, proven; seen: the largest error at any state "
+    "met;\nas a scene: of parameters left out alone, without terms, as --toml writes it\n";
+
 std::string howItIsMade(const ReducedModel& model) {
+  if (isWhole(model)) return "nothing left out";
   if (model.is_explicit) return fmt::format("{} terms", model.terms.size());
   return fmt::format(
       "{} parameters less{}", model.parameters.size(),
@@ -69,6 +78,7 @@ std::string detail(const ReducedModel& model, ReducedQuantity of) {
     text += "  " + lines[k] + "\n";
   if (lines.size() > kMostSentences)
     text += fmt::format("  and {} more (--json)\n", lines.size() - kMostSentences);
+  text += kLegend;
   text += fmt::format("\n{:<8} {:>12} {:>12} {:>12} {:>8}\n", "", "largest", "error", "seen", "");
   for (std::size_t i = 0; i < model.forces.size(); ++i) {
     const ReducedForce& force = model.forces[i];
@@ -138,7 +148,13 @@ std::string reductionText(const scene::Scene& scene, const Reduction& reduction)
     text += "\nArmstrong's rule, terms below so much of their entry's largest dropped:\n";
     row(m, nullptr);
   }
-  if (reduction.models.size() == 1) text += detail(reduction.models.front(), reduction.of);
+  for (std::size_t t = 0; t < reduction.models.size(); ++t)
+    if (isWhole(reduction.models[t]) && isWhole(reduction.scenes[t]))
+      text += fmt::format(
+          "{}nothing was found that may be left out within {:.3g} %: it stays the scene's own "
+          "program\n",
+          t == 0 ? "\n" : "", 100 * reduction.models[t].allowed);
+  text += reduction.models.size() == 1 ? detail(reduction.models.front(), reduction.of) : kLegend;
   return text;
 }
 

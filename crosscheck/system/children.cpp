@@ -537,11 +537,14 @@ std::string Conversation::take(std::size_t most) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left <= 0)
-      r.fail(fmt::format("it did not answer within {:g} s{}", r.limits.seconds,
+      r.fail(fmt::format("it did not answer within {:g} s and still runs{}{}", r.limits.seconds,
                          !r.hears ? ", and has closed its standard input"
                          : r.sent < r.unsent.size()
                              ? fmt::format(", and has read {} of {} bytes", r.sent, r.unsent.size())
-                             : ""));
+                             : "",
+                         r.unread.empty()
+                             ? ""
+                             : ", and has said " + quoted(r.unread) + " and no end of the line"));
     r.countProcesses();
     pollfd files[4] = {
         {r.hears ? r.input.ends[1] : -1, static_cast<short>(r.unsent.empty() ? 0 : POLLOUT), 0},

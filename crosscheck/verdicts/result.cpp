@@ -451,12 +451,21 @@ std::string CrosscheckResult::headline() const {
                                      gap.missing() > 0 ? fmt::format(" ({})", gap.reason) : ""));
   if (!unanswered.empty()) line += "; not answered: " + shortened(unanswered, 4);
   const auto [scene, check] = worst();
-  if (check != nullptr)
-    line += fmt::format("; the largest difference is {} what rounding explains: {} of {} ({}{}{})",
-                        check->ratio <= 1 ? fmt::format("{:.0f}% of", 100 * check->ratio)
-                                          : fmt::format("{:.2g} times", check->ratio),
-                        check->worst_entry, scene->name, check->left,
-                        check->right.empty() ? "" : " and ", check->right);
+  if (check != nullptr) {
+    // the two sides of a law are numbers of its own: the 20th of them is no qdd[20]
+    const std::size_t index = check->worst_entry.find('[');
+    const std::string entry =
+        check->kind != CheckKind::kLaw ? check->worst_entry
+        : index == std::string::npos
+            ? check->name()
+            : fmt::format("{}, entry {}", check->name(), check->worst_entry.substr(index));
+    line += fmt::format(
+        "; of what rounding alone may leave the largest difference is {}: {} of {} at state {} ({}{}{})",
+        check->ratio <= 1 ? fmt::format("{:.0f}%", 100 * check->ratio)
+                          : fmt::format("{:.2g} times it", check->ratio),
+        entry, scene->name, check->worst_state, check->left, check->right.empty() ? "" : " and ",
+        check->right);
+  }
   return line;
 }
 

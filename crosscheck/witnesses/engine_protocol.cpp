@@ -53,7 +53,7 @@ class EngineWitness : public OutsideWitness, public OutsideClaims {
   EngineWitness(std::string name, const std::string& command, const Limits& limits,
                 const PreparedScene& scene)
       : name_(std::move(name)), mechanism_(scene.mechanism()), judge_(scene) {
-    guarded("in the handshake", [&] {
+    guarded(fmt::format("in the handshake (started as {})", engine::plain(command)), [&] {
       Handshake made(command, limits, scene.scene());
       program_ = std::move(made.program);
       introduction_.emplace(std::move(made.said));

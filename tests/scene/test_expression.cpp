@@ -379,6 +379,8 @@ const Bad kBad[] = {
     {"(1 2)", "column 4: found \"2\", allowed: an operator"},
     {"1 +", "column 4: found its end, allowed: a number"},
     {"--1", "column 2: found \"-\""},
+    {"2**3", "column 2: \"**\", allowed: ^ for powers, as in x^2"},
+    {"2 * *3", "column 5: found \"*\", allowed: a number"},
     {"2^0.5", "an integer exponent"},
     {"2^x", "an integer exponent"},
     {"2^2^2", "column 4: found \"^\""},

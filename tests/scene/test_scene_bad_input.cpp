@@ -12,6 +12,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "scene/nearest_name.hpp"
 #include "scene/scene.hpp"
 
 namespace data = boost::unit_test::data;
@@ -91,6 +92,17 @@ const Bad kToml[] = {
     {"spring with axes",
      kUpper + "\n[[spring]]\na = { link = \"base\", rpy = [0, 0, 1] }\nb = { link = \"upper\" }\n",
      "bad.toml:12: spring \"1\": a: unknown key \"rpy\", allowed: link, xyz"},
+    {"tables of another name",
+     "[[links]]\nname = \"a\"\n[link.joint]\nkind = \"fixed\"\n[[links]]\n[link.joint]\n",
+     "bad.toml:1: scene: unknown table [[links]] (did you mean link?)"},
+    {"a table twice", kBase + "[link.joint]\nkind = \"fixed\"\n[link.joint]\n",
+     "bad.toml:6: not TOML: "},
+    {"a number with its unit", kBase + "[[link]]\nname = \"a\"\nmass = \"1 kg\"",
+     "bad.toml:6: link \"a\": mass: expression \"1 kg\": column 3: found \"k\", allowed: an operator "
+     "+ - * / ^ or the end; numbers have no units here"},
+    {"no unit", kBase + "[[link]]\nname = \"a\"\nmass = \"2 + * kg\"",
+     "bad.toml:6: link \"a\": mass: expression \"2 + * kg\": column 5: found \"*\", allowed: a number, a "
+     "parameter, pi or \"(\""},
     {"syntax error", "title = \"x\"\ngravity = [0, 0\nq", "bad.toml:3: not TOML: "},
     {"overflowing number", "gravity = [0, 0, 1e999]", "bad.toml:1: not TOML: "},
     {"not UTF-8", "title = \"\xff\"", "bad.toml:1: not TOML: "},
@@ -502,6 +514,17 @@ BOOST_DATA_TEST_CASE(what_is_just_possible_is_read, data::make(kSound), sound) {
 
 BOOST_DATA_TEST_CASE(a_bad_urdf_file_is_refused_at_its_line, data::make(kUrdf), bad) {
   requireComplaint(complaint([&] { readSceneUrdf(bad.text, "bad.urdf"); }), bad.message);
+}
+
+// Capitals, then the order of letters, are slips before letters that are others: by eye.
+BOOST_AUTO_TEST_CASE(what_is_misspelt_is_guessed) {
+  BOOST_TEST(nearestName("L1", {"m1", "m2", "l1", "l2"}) == "l1");
+  BOOST_TEST(nearestName("MASS", {"com", "mass"}) == "mass");
+  BOOST_TEST(nearestName("dq1", {"q1", "q2", "qd1", "qd2"}) == "qd1");
+  BOOST_TEST(nearestName("ddq2", {"q2", "qd2", "qdd2"}) == "qdd2");
+  BOOST_TEST(nearestName("xzy", {"rpy", "axis", "xyz"}) == "xyz");
+  BOOST_TEST(nearestName("links", {"title", "link"}) == "link");
+  BOOST_TEST(nearestName("limits", {"title", "link"}).empty());
 }
 
 BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {

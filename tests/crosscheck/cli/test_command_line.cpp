@@ -94,6 +94,15 @@ BOOST_AUTO_TEST_CASE(a_bad_states_file_is_refused_with_its_line) {
   refuses(program, words + "short.csv", "short.csv:2: 3 entries, the header names 6");
   program.write("empty.csv", "");
   refuses(program, words + "empty.csv", "no header");
+  program.write("header.csv", "# motion\n" + good);
+  refuses(program, words + "header.csv", "header.csv:2: no state after the header");
+  refuses(program, "simulate acrobot --duration 0.1 --states header.csv",
+          "header.csv:2: no state after the header");
+  const Outcome piped = program.run(words + "-", "< header.csv 2>&1");
+  BOOST_TEST(piped.status == 2);
+  BOOST_TEST(piped.out.find("standard input:2: no state after the header") != std::string::npos,
+             piped.out);
+  BOOST_TEST(!program.exists("out.csv"));
   program.write("good.csv", good + "0,0,0,0,0,0\n");
   refuses(program, "evaluate acrobot --quantity torque --states good.csv",
           "unknown quantity 'torque'");
@@ -414,6 +423,38 @@ BOOST_AUTO_TEST_CASE(a_sweep_keeps_its_figures_apart_and_reads_as_one_writes) {
   BOOST_TEST(out.find("+ -") == std::string::npos);
   BOOST_TEST(out.find(" - 0.62879 qdd_3") != std::string::npos);
   BOOST_TEST(out.find("qdd_9 of elbow") != std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(a_header_that_is_nearly_one_is_told_what_it_lacks) {
+  const Program program;
+  const std::string words = "evaluate acrobot --quantity g --states ";
+  program.write("semi.csv", "q1;q2;qd1;qd2\n0,1;0,2;0;1\n");
+  refuses(program, words + "semi.csv",
+          "semi.csv:1: the header's columns are separated by \";\", allowed: commas");
+  program.write("tabs.csv", "q1\tq2\n0.1\t0.2\n");
+  refuses(program, words + "tabs.csv", "separated by tabs");
+  program.write("none.csv", "0.1,0.2,0,1\n");
+  refuses(program, words + "none.csv",
+          "none.csv:1: '0.1' where the header is expected, allowed as the first line");
+  program.write("dq.csv", "q1,q2,dq1,dq2\n0.1,0.2,0,1\n");
+  refuses(program, words + "dq.csv",
+          "columns 'dq1', 'dq2' are unknown (did you mean qd1, qd2?), allowed: q1..q2");
+  program.write("qd3.csv", "q1,q2,qd1,qd3\n0.1,0.2,0,1\n");
+  const std::string said = program.run(words + "qd3.csv").out;
+  BOOST_TEST(
+      said.find("'qd3' is unknown (did you mean qd2?); column 'qd2' is missing, allowed: ") !=
+          std::string::npos,
+      said);
+  BOOST_TEST(said.find("q1..q2") == said.rfind("q1..q2"), said);  // the list once
+}
+
+// Which roads agree, of the laws that have one formula on both sides.
+BOOST_AUTO_TEST_CASE(laws_of_a_study_name_the_roads_that_agree) {
+  const Program program;
+  const std::string said = program.run("linearize acrobot").out;
+  BOOST_TEST(
+      said.find("dtau/dq = dtau/dq, by newton_euler and recursive_lagrange\n") != std::string::npos,
+      said);
 }
 
 BOOST_AUTO_TEST_CASE(a_report_has_charts_unless_they_are_left_out) {

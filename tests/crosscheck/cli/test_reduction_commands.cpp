@@ -70,6 +70,16 @@ BOOST_AUTO_TEST_CASE(bounds_are_those_of_the_changed_scene) {
   BOOST_TEST(outcome.status == 0, outcome.out);
   BOOST_TEST((program.read("reduced.toml").find("1.62") != std::string::npos));
 
+  // one rod has no parameter that 5 % could do without
+  const Outcome kept = program.run("reduce pendulum.toml --tolerance 5%");
+  BOOST_TEST((kept.out.find("nothing was found that may be left out within 5 %: it stays the "
+                            "scene's own program") != std::string::npos),
+             kept.out);
+  BOOST_TEST((kept.out.find("certified: no state of [envelope] errs by more") != std::string::npos),
+             kept.out);
+  BOOST_TEST((program.run("reduce scara --tolerance 50%").out.find("nothing was found") ==
+              std::string::npos));
+
   // a file of the changed scene has them as numbers, one of other joints has none and says so
   program.run("write pendulum.toml --set l=1 --format toml -o long.toml");
   BOOST_TEST((program.read("long.toml").find("qd = [-2, 2], qdd = [-3, 8]") != std::string::npos),
@@ -128,7 +138,7 @@ BOOST_AUTO_TEST_CASE(bounds_along_a_motion_and_of_heavier_links) {
   refuses("--masses-within pi", "allowed: a share from 0 to 1");
   refuses("--along none.csv", "cannot be read");
   program.write("empty.csv", "q1,qd1,qdd1\n");
-  refuses("--along empty.csv", "no state");
+  refuses("--along empty.csv", "empty.csv:1: no state after the header");
 }
 
 // By hand: tau = m (l^2 qdd + gravity l sin q) with m up to 2.5, or 10 % more; in l it is no line.

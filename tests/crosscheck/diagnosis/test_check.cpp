@@ -382,6 +382,33 @@ BOOST_AUTO_TEST_CASE(where_says_which_terms_are_wrong) {
   BOOST_TEST(e.where.terms == expected, boost::test_tools::per_element());
 }
 
+// Eight of ten that are not answered are no "right".
+BOOST_AUTO_TEST_CASE(the_last_line_names_what_was_judged) {
+  const auto lastLine = [](const Examination& e) {
+    const std::string text = said(e);
+    return text.substr(text.rfind('\n', text.size() - 2) + 1);
+  };
+  const scene::Scene scene = scene::findScene("simple_pendulum");
+  const Examination two = examined(scene, {}, {}, {Quantity::kM, Quantity::kg});
+  BOOST_TEST(
+      lastLine(two) ==
+      "right in M and g; not answered: c, tau, qdd, kinetic, potential, momentum, reactions\n");
+  BOOST_TEST(nlohmann::json::parse(checkJson(two, "1")).at("not_answered").size() == 7u);
+  Examination whole = examined(scene, {});
+  whole.quantities.erase(std::remove_if(whole.quantities.begin(), whole.quantities.end(),
+                                        [](const QuantityFound& q) { return !q.reason.empty(); }),
+                         whole.quantities.end());
+  BOOST_TEST(lastLine(whole) == "right\n");
+  BOOST_TEST(nlohmann::json::parse(checkJson(whole, "1")).at("not_answered").empty());
+  whole.version = "unknown";
+  BOOST_TEST(said(whole).find("by engine (version not told), limits") != std::string::npos);
+  // one that is wrong is no less wrong
+  const Examination wrong =
+      examined(scene, [](Mechanism& m) { m.gravity[2] = times(m.gravity[2], 2); }, {},
+               {Quantity::kM, Quantity::kg});
+  BOOST_TEST(lastLine(wrong) == "WRONG\n");
+}
+
 BOOST_AUTO_TEST_CASE(programs_read_the_rule_first) {
   const Examination e = examined(scene::findScene("double_pendulum"), [](Mechanism& m) {
     for (Number& x : m.gravity) x = times(x, 2);

@@ -169,6 +169,8 @@ BOOST_AUTO_TEST_CASE(bad_formulas_are_refused_with_place_and_what_is_allowed) {
   };
   refuses("M12 = m3*l1",
           "column 1: m3: unknown (did you mean m1?), allowed: g, m1, m2, l1, l2, pi");
+  refuses("M12 = m2*L1", "L1: unknown (did you mean l1?)");  // m1 is as near but for the case
+  refuses("c1 = m2*qd2**2", "\"**\", allowed: ^ for powers");
   refuses("M12 = m2*l1*cos(q3)", "q3");
   refuses("M13 = m2", "allowed before \"=\": T, V, p1..p2, M11..M22");
   refuses("K = m2", "no quantity of this scene");

@@ -133,7 +133,7 @@ for arguments, words in (
         (["--states", few, "--answers", tau], "more rows than"),
         (["--states", states, "--answers", one], "stand in"),
         (["--answers", write("gap.csv", columns("q") + ["M11"], [[0.0] * (N + 1)])], "column 'M12' is missing"),
-        (["--answers", write("empty.csv", columns("q", "g"), [])], "no rows"),
+        (["--answers", write("empty.csv", columns("q", "g"), [])], "empty.csv:1: no state after the header"),
         (["--answers", write("odd.csv", columns("q") + ["mass"], [[0.0] * (N + 1)])], "column 'mass' is unknown"),
         (["--states", write("bare.csv", columns("q"), [zeros]), "--answers",
           write("bare_tau.csv", columns("tau"), [zeros])], "tau1.. without qdd1..")):

@@ -471,6 +471,30 @@ BOOST_AUTO_TEST_CASE(a_tenth_that_is_missing_is_told_and_more_is_incomplete) {
   BOOST_TEST(contains(more.headline(), "too little was of qdd of arm"), more.headline());
 }
 
+// The two sides of a law are numbers of its own: the 20th of them is no qdd[20] of two joints.
+BOOST_AUTO_TEST_CASE(the_largest_difference_is_told_with_its_place) {
+  CheckResult same = checkOf("qdd", 100, 0, 0);
+  same.kind = CheckKind::kSame;
+  same.left = "a";
+  same.right = "b";
+  same.worst_entry = "qdd[2]";
+  same.worst_state = 7;
+  same.ratio = 0.25;
+  BOOST_TEST(contains(runOf({same}).headline(),
+                      "the largest difference is 25%: qdd[2] of arm at state 7 (a and b)"),
+             runOf({same}).headline());
+  CheckResult law = checkOf("qdd", 100, 0, 0);
+  law.kind = CheckKind::kLaw;
+  law.law = "independence of the chosen root";
+  law.left = "a";
+  law.worst_entry = "qdd[20]";
+  law.worst_state = 76;
+  law.ratio = 0.5;
+  BOOST_TEST(contains(runOf({same, law}).headline(),
+                      "50%: independence of the chosen root, entry [20] of arm at state 76 (a)"),
+             runOf({same, law}).headline());
+}
+
 BOOST_AUTO_TEST_CASE(other_quantities_and_scenes_do_not_dilute_what_is_missing) {
   CrosscheckResult result = runOf({checkOf("M", 10000, 0, 0), checkOf("qdd", 10, 10, 0)});
   result.scenes.push_back(result.scenes[0]);

@@ -92,7 +92,7 @@ const std::string kModel =
 
 // of the simple pendulum, with three states
 const std::vector<Hostile> kHostile = {
-    {"hangs in the handshake", "time.sleep(100)", "in the handshake: it did not answer within"},
+    {"hangs in the handshake", "time.sleep(100)", "): it did not answer within 2 s and still runs"},
     {"hangs at a batch", kHello + "time.sleep(100)",
      "at batch 1 (3 states): it did not answer within"},
     {"dies in the handshake", "sys.exit(7)", "it failed with status 7, expected an answer"},
@@ -241,6 +241,27 @@ BOOST_AUTO_TEST_CASE(a_program_that_does_not_exist_is_one_that_failed) {
   BOOST_TEST_REQUIRE(out.refusals.size() == 1u);
   BOOST_TEST(files::contains(out.refusals.front().reason, "it failed with status 127"));
   BOOST_TEST(files::contains(out.refusals.front().reason, "not found"));
+}
+
+BOOST_AUTO_TEST_CASE(a_program_that_says_nothing_is_told_from_one_that_ended) {
+  const Program program;
+  const Outcome slow =
+      program.run("check simple_pendulum --engine 'sleep 30' --engine-seconds 0.5");
+  BOOST_TEST(slow.status == 1);
+  BOOST_TEST(files::contains(slow.out,
+                             "in the handshake (started as sleep 30): it did not answer within "
+                             "0.5 s and still runs"),
+             slow.out);
+  BOOST_TEST(files::contains(slow.out, "--engine-seconds"), slow.out);
+  const Outcome ended = program.run("check simple_pendulum --engine 'python3 nofile.py'");
+  BOOST_TEST(ended.status == 1);
+  BOOST_TEST(files::contains(ended.out, "(started as python3 nofile.py): it failed with status 2"),
+             ended.out);
+  BOOST_TEST(files::contains(ended.out, "No such file"), ended.out);
+  // what somebody wrote who forgot the end of the line is what he has to be told
+  const Outcome open =
+      program.run("check simple_pendulum --engine 'printf {; sleep 30' --engine-seconds 0.5");
+  BOOST_TEST(files::contains(open.out, "has said '{' and no end of the line"), open.out);
 }
 
 BOOST_AUTO_TEST_CASE(a_program_gets_none_of_our_files) {
