@@ -42,14 +42,20 @@ Link readLink(const Element& element, Faults& faults) {
   const std::optional<Element> inertial = element.child("inertial");
   if (!inertial) return link;
   MassProperties& p = link.inertia;
-  faults.collect([&] { p.mass = inertial->requiredChild("mass").number("value"); });
+  const auto required = [&](const char* kind) {
+    if (inertial->children(kind).empty())
+      throw InputError(inertial->where(), "link \"" + link.name + "\": <inertial>: has no <" +
+                                              kind + ">, allowed: <mass> and <inertia>");
+    return inertial->requiredChild(kind);
+  };
+  faults.collect([&] { p.mass = required("mass").number("value"); });
   faults.collect([&] {
     const std::optional<Element> origin = inertial->child("origin");
     if (!origin) return;
     faults.collect([&] { p.com = origin->optionalVector("xyz"); });
     p.rpy = origin->optionalAngles("rpy");
   });
-  const Element inertia = inertial->requiredChild("inertia");
+  const Element inertia = required("inertia");
   const std::pair<const char*, Number*> six[] = {{"ixx", &p.xx}, {"iyy", &p.yy}, {"izz", &p.zz},
                                                  {"ixy", &p.xy}, {"ixz", &p.xz}, {"iyz", &p.yz}};
   for (const auto& [key, number] : six)

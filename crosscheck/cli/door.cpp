@@ -9,9 +9,11 @@
 
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/remarks.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/motion/rooted.hpp"
 #include "scene/mjcf.hpp"
+#include "scene/remarks.hpp"
 #include "scene/text_file.hpp"
 #include "scene/urdf.hpp"
 
@@ -78,9 +80,16 @@ scene::Scene foundToBeChanged(const std::string& name) {
 
 scene::Scene readScene(const GivenScene& given, scene::InertiaNeed need) {
   const Progress progress("reading " + given.name);
-  const scene::Scene scene =
-      given.changes.isNone() ? scene::findScene(given.name, need)
-                             : scene::changed(foundToBeChanged(given.name), given.changes, need);
+  scene::Scene scene;
+  try {
+    scene = given.changes.isNone()
+                ? scene::findScene(given.name, need)
+                : scene::changed(foundToBeChanged(given.name), given.changes, need);
+  } catch (const scene::InputError&) {
+    remark(scene::remarksOnFile(given.name));  // which may be why
+    throw;
+  }
+  remark(remarksOn(given, scene));
   return given.root.empty() ? scene : crosscheck::rooted(scene, given.root);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/cli/given_states.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "scene/error.hpp"
 #include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
+#include "scene/remarks.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -42,15 +44,48 @@ std::optional<CoordinateConvention> askedConvention(const StatesAsked& asked) {
   return conventionNamed(asked.convention);
 }
 
+/// Tells of angles of more than a turn in a file, once a column.
+class TurnsOfFile {
+ public:
+  TurnsOfFile(std::string file, const scene::Mechanism& mechanism) : file_(std::move(file)) {
+    const std::vector<scene::SlotKind> slots = mechanism.slots();
+    const std::vector<int> given = scene::givenSlots(mechanism);
+    for (std::size_t k = 0; k < given.size(); ++k)
+      if (slots[static_cast<std::size_t>(given[k])] == scene::SlotKind::kAngle)
+        angles_.push_back({static_cast<std::size_t>(given[k]), k + 1});
+  }
+  void look(const scene::State<double>& state) {
+    const auto isTold = [&](const Angle& angle) {
+      const std::string turns =
+          scene::moreThanATurn(state.x[angle.slot].q, scene::AngleSpelling::kDecimal);
+      if (turns.empty()) return false;
+      tell(fmt::format("{}: q{} = {}\n", file_, angle.column, turns));
+      return true;
+    };
+    angles_.erase(std::remove_if(angles_.begin(), angles_.end(), isTold), angles_.end());
+  }
+
+ private:
+  struct Angle {
+    std::size_t slot, column;  ///< q1: 1
+  };
+  std::string file_;
+  std::vector<Angle> angles_;  ///< that were not told of
+};
+
 /// Those of a file, one after the other.
 class StatesOfFile : public States {
  public:
   StatesOfFile(const StatesAsked& asked, const scene::Mechanism& mechanism)
       : reader_(asked.file, mechanism,
                 {{}, true, asked.keep, "; or --keep, which keeps others in the answer"},
-                askedConvention(asked)) {}
+                askedConvention(asked)),
+        turns_(asked.file == "-" ? "standard input" : asked.file, mechanism) {}
   scene::State<double>* current() override {
-    if (!is_read_) has_state_ = reader_.next(&state_);
+    if (!is_read_) {
+      has_state_ = reader_.next(&state_);
+      if (has_state_) turns_.look(state_);
+    }
     is_read_ = true;
     return has_state_ ? &state_ : nullptr;
   }
@@ -66,6 +101,7 @@ class StatesOfFile : public States {
 
  private:
   StatesReader reader_;
+  TurnsOfFile turns_;
   scene::State<double> state_;
   bool is_read_ = false, has_state_ = true;
 };
@@ -222,6 +258,7 @@ scene::Scene startedAt(scene::Scene scene, const StartAsked& asked) {
         throw scene::InputError({asked.file, 0}, fmt::format("--row {}: the file has {} rows, "
                                                              "allowed: one of them",
                                                              asked.row, row - 1));
+    TurnsOfFile(asked.file, scene.mechanism).look(start);
     if (!reader.gives("qd") && !start.qd.empty())
       tell(fmt::format("{}: no column says qd: the motion starts at rest\n", asked.file));
     std::vector<std::string> unread;

@@ -6,8 +6,10 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/remarks.hpp"
 #include "crosscheck/readers/same.hpp"
 #include "crosscheck/system/files.hpp"
+#include "scene/remarks.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -20,6 +22,7 @@ struct Arguments {
 
 int run(const Arguments& arguments) {
   crosscheck::requireWritableFile(arguments.json);
+  for (const std::string& file : {arguments.a, arguments.b}) remark(scene::remarksOnFile(file));
   const crosscheck::SameResult result = crosscheck::compareDescriptions(
       crosscheck::findDescription(arguments.a), crosscheck::findDescription(arguments.b),
       arguments.states, arguments.seed);

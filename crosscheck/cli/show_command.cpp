@@ -7,6 +7,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/remarks.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/exact/ledger.hpp"
 #include "crosscheck/report/show.hpp"
@@ -68,6 +69,7 @@ Shown read(const GivenScene& given) {
 int runShow(const ShowArguments& arguments) {
   crosscheck::requireWritableFile(arguments.page);
   Shown shown = read(arguments.scene);
+  shown.remarks = remarksOn(arguments.scene, shown.scene);
   admit(shown.scene, {crosscheck::Command::kShow});
   if (shown.warnings.empty()) shown.ledger = crosscheck::ledgerOf(shown.scene);
   for (const std::string& warning : shown.warnings)

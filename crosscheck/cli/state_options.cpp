@@ -13,6 +13,7 @@
 #include "scene/mimic.hpp"
 #include "scene/nearest_name.hpp"
 #include "scene/numbers.hpp"
+#include "scene/remarks.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -27,13 +28,12 @@ std::string nameOf(StateOption::Part part) {
 
 /// Angles of more than a turn are mostly degrees.
 void remarkOnTurns(const scene::Mechanism& mechanism, const std::vector<double>& q) {
-  constexpr double kTurn = 6.283185307179586;
   const std::vector<scene::SlotKind> slots = mechanism.slots();
-  for (std::size_t k = 0; k < q.size(); ++k)
-    if (slots[k] == scene::SlotKind::kAngle && std::abs(q[k]) > kTurn)
-      return tell(fmt::format(
-          "--q: q{} = {:.6g} rad is {:.1f} turns; if it is in degrees, write {:.6g}*pi/180\n",
-          k + 1, q[k], q[k] / kTurn, q[k]));
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    if (slots[k] != scene::SlotKind::kAngle) continue;
+    const std::string turns = scene::moreThanATurn(q[k], scene::AngleSpelling::kExpression);
+    if (!turns.empty()) return tell(fmt::format("--q: q{} = {}\n", k + 1, turns));
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "crosscheck/readers/answers.hpp"
 #include "scene/mjcf.hpp"
+#include "scene/remarks.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
@@ -158,8 +159,13 @@ class Comparison {
       changed.moments = seen.moments;
       NamedMistakes why = explanation(file_, b, seen.moments, seen_.unturned);
       if (why.words.empty()) why.words = digitsLost(shareOf(body.moments, seen.moments));
-      Misreading finding{body.link,           "inertia",           why.words,
-                         shown(body.moments), shown(seen.moments), where};
+      Misreading finding{
+          body.link,
+          "inertia",
+          why.words,
+          (file_.hasInertial(b) ? "" : "no <inertial>, which is ") + shown(body.moments),
+          shown(seen.moments),
+          where};
       finding.read = seen.moments;
       for (const Mistake mistake : why.mistakes) {
         const std::string record = publicRecord(reader_, mistake);
@@ -463,6 +469,7 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
   result.links = static_cast<int>(urdf.scene.mechanism.links.size());
   result.states = states;
   result.seed = seed;
+  if (!is_mjcf) result.remarks = scene::remarksOnUrdf(text, file.string());
   result.impossible = scene::impossibleInertias(urdf.scene);
   for (const ReadBody& body : parts.robot().bodies) result.bodies.push_back(body.link);
   if (result.bodies.empty())

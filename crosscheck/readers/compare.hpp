@@ -53,6 +53,7 @@ struct ReadersResult {
   std::uint64_t seed = 0;
   std::vector<std::string> bodies;      ///< names of the moving links
   std::vector<std::string> impossible;  ///< inertias that no body has
+  std::vector<std::string> remarks;     ///< what is remarkable in a URDF (scene/remarks.hpp)
   /// What is in an MJCF file and not in the comparison.
   std::vector<std::string> not_compared;
   std::vector<ReaderResult> readers;

@@ -151,6 +151,11 @@ std::string readersPage(const ReadersResult& result, const Environment& environm
   std::string page =
       pageHead("Readers of " + result.file, environment.version, "", "table", "Skip to the table");
   putHeadline(&page, result, picture);
+  if (!result.remarks.empty()) {
+    put(&page, "<h2>Remarks on the file</h2>\n<ul class=\"reasons\">\n");
+    for (const std::string& text : result.remarks) put(&page, "<li>{}</li>\n", esc(text));
+    put(&page, "</ul>\n");
+  }
   if (!result.impossible.empty()) {
     put(&page, "<h2>Inertias that no body has</h2>\n<ul class=\"reasons\">\n");
     for (const std::string& text : result.impossible) put(&page, "<li>{}</li>\n", esc(text));

@@ -45,6 +45,7 @@ std::string readersText(const ReadersResult& result, bool all) {
                                 result.file, result.links, result.bodies.size());
   for (const std::string& text : result.not_compared)
     out += fmt::format("{}: {}\n", result.file, text);
+  for (const std::string& text : result.remarks) out += text + "\n";
   for (const std::string& text : result.impossible) out += text + "\n";
   if (!result.impossible.empty())
     out += fmt::format("{}: {} inertias that no body has (--mend OUT.urdf writes the nearest)\n",
@@ -117,6 +118,7 @@ std::string readersJson(const ReadersResult& result, const std::string& version)
               {"seed", result.seed},
               {"agrees", result.agrees()},
               {"moving_links", result.bodies},
+              {"remarks", result.remarks},
               {"impossible_inertias", result.impossible},
               {"not_compared", result.not_compared}};
   out["readers"] = json::array();

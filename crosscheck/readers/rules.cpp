@@ -242,6 +242,7 @@ FileParts::Piece FileParts::pieceOf(const scene::Link& link, const scene::UrdfPa
   piece.link = link.name;
   piece.is_fixed = isFixed(link);
   piece.mass = number(m.mass);
+  piece.has_inertial = !part || part->has_inertial;
   piece.has_mass = piece.mass != 0 && (!part || part->has_inertial);
   piece.from_parent = X_before.translation();
   piece.turn_from_parent = X_before.linear();
@@ -548,6 +549,11 @@ std::vector<std::string> FileParts::links(std::size_t body) const {
   std::vector<std::string> out;
   for (const Piece& piece : pieces_[body]) out.push_back(piece.link);
   return out;
+}
+
+bool FileParts::hasInertial(std::size_t body) const {
+  return std::any_of(pieces_[body].begin(), pieces_[body].end(),
+                     [](const Piece& piece) { return piece.has_inertial; });
 }
 
 Isometry3d FileParts::readOrigin(std::size_t body, FrameMistake mistake) const {

@@ -86,6 +86,9 @@ class FileParts {
   /// Links of a body at which a mistake changes something, in the order of the file.
   std::vector<std::string> links(std::size_t body) const;
 
+  /// Whether any link of a body has an <inertial> in the URDF.
+  bool hasInertial(std::size_t body) const;
+
   /// A joint's place on its parent body, read with a mistake in each origin on the way.
   Eigen::Isometry3d readOrigin(std::size_t body, FrameMistake mistake) const;
   /// The axis as written, of whatever length; and the turn of the joint's origin.
@@ -97,7 +100,7 @@ class FileParts {
  private:
   struct Piece {
     std::string link;
-    bool is_fixed, has_mass;
+    bool is_fixed, has_mass, has_inertial;
     Eigen::Isometry3d X;          ///< x_body = X x_link
     Eigen::Vector3d from_parent;  ///< the link's origin in its parent's link
     Eigen::Matrix3d turn_from_parent;

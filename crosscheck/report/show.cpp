@@ -420,6 +420,10 @@ std::string showText(const Shown& shown) {
   text += "\nNot modelled\n";
   for (const std::string& line : scene.not_modelled) text += "  " + oneLine(line) + "\n";
   text += fmt::format("  {}\n", kNever);
+  if (!shown.remarks.empty()) {
+    text += "\nRemarks\n";
+    for (const std::string& line : shown.remarks) text += "  " + oneLine(line) + "\n";
+  }
   if (shown.ledger) text += fmt::format("\n{}\n{}", kLedger, ledgerText(*shown.ledger));
   if (!shown.warnings.empty()) {
     text += fmt::format("\n{}\n", refusedBy(shown));
@@ -474,6 +478,7 @@ std::string showPage(const Shown& shown, const View& view, const std::string& ve
   std::vector<std::string> left_out = scene.not_modelled;
   left_out.emplace_back(kNever);
   body += list("Not modelled", left_out);
+  body += list("Remarks", shown.remarks);
   if (shown.ledger) body += fmt::format("<h2>{}</h2>\n{}", kLedger, ledgerHtml(*shown.ledger));
   return viewPage(view, version, summary, body);
 }
@@ -570,6 +575,7 @@ std::string showJson(const Shown& shown, const std::string& version) {
   for (const std::string& line : scene.not_modelled) left_out.push_back(oneLine(line));
   json["not_modelled"] = left_out;
   json["ledger"] = shown.ledger ? ledgerJson(*shown.ledger) : Json();
+  json["remarks"] = shown.remarks;
   json["warnings"] = shown.warnings;
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

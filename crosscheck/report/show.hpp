@@ -18,6 +18,7 @@ struct Shown {
   scene::Scene scene;
   std::vector<scene::UrdfPart> parts = {};  ///< of a URDF, one a link: its limits; or none
   std::vector<std::string> warnings = {};   ///< why other commands refuse the scene
+  std::vector<std::string> remarks = {};    ///< what is remarkable in the file (scene/remarks.hpp)
   bool has_no_inverse = false;              ///< only those that take the inverse of M refuse it
   std::optional<Ledger> ledger = {};        ///< of a scene that they do not refuse
 };

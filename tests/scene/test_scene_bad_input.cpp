@@ -474,6 +474,10 @@ const Bad kUrdf[] = {
      "bad.urdf:3: link \"hand\": has no parent, but neither has link \"base\" (bad.urdf:2)"},
     {"duplicate links", kRobot + "<link name=\"base\"/></robot>",
      "bad.urdf:3: link \"base\": the name is taken by the link of bad.urdf:2"},
+    {"inertial without mass",
+     kRobot + "<link name=\"hand\">\n<inertial><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" "
+              "ixz=\"0\" iyz=\"0\"/></inertial></link></robot>",
+     "bad.urdf:4: link \"hand\": <inertial>: has no <mass>"},
     {"number that is none", robot("type=\"continuous\">\n<origin xyz=\"0 ${l} 0\"/>"),
      "bad.urdf:5: <origin>: xyz is \"${l}\", allowed: decimals"},
     {"expression, which URDF has not", robot("type=\"continuous\">\n<origin xyz=\"0 1-2 0\"/>"),
@@ -486,7 +490,7 @@ const Bad kUrdf[] = {
      "bad.urdf:3: joint \"j\" of link \"hand\": axis is [0, 0, 0]"},
     {"mass without inertia",
      kRobot + "<link name=\"hand\">\n<inertial><mass value=\"1\"/></inertial></link></robot>",
-     "bad.urdf:4: <inertial>: has no <inertia>"},
+     "bad.urdf:4: link \"hand\": <inertial>: has no <inertia>"},
     {"negative mass",
      "<robot name=\"r\">\n<link name=\"a\"><inertial><mass value=\"-1\"/><inertia ixx=\"0\" "
      "iyy=\"0\" "

@@ -206,6 +206,51 @@ BOOST_AUTO_TEST_CASE(a_slip_of_the_pen_is_answered_with_what_may_be_meant) {
   refuses(program, "evaluate acrobot", "dynwitness evaluate: --quantity is required");
 }
 
+BOOST_AUTO_TEST_CASE(a_slip_in_a_file_is_told_by_every_command_that_reads_it) {
+  const Program program;
+  const std::string head =
+                        "<robot name=\"r\">\n<link name=\"base\"/>\n<link name=\"arm\"><inertial>",
+                    tail =
+                        "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>"
+                        "</inertial></link>\n<joint name=\"j\" type=\"continuous\"><parent "
+                        "link=\"base\"/><child link=\"arm\"/></joint></robot>\n";
+  program.write("slip.urdf", head + "<orign xyz=\"1 0 0\"/><mass value=\"1\"/>" + tail);
+  program.write("mas.urdf", head + "<mas value=\"1\"/>" + tail);
+  const std::string said =
+      "slip.urdf:3: link \"arm\": <inertial> has an unknown element <orign> (did you mean origin?): "
+      "it is ignored\n";
+  const auto count = [&](const std::string& words) {
+    const Outcome outcome = program.run(words, "2>&1 >/dev/null");
+    BOOST_TEST(outcome.status == 0, outcome.out);
+    std::size_t times = 0;
+    for (std::size_t at = outcome.out.find(said); at != std::string::npos;
+         at = outcome.out.find(said, at + 1))
+      ++times;
+    return times;
+  };
+  for (const char* words :
+       {"evaluate slip.urdf --quantity M", "show slip.urdf", "derive slip.urdf",
+        "write slip.urdf --format toml", "same slip.urdf slip.urdf",
+        "evaluate slip.urdf --quantity M --gravity 0,0,0", "simulate slip.urdf --duration 0.1"})
+    BOOST_TEST(count(words) == 1u, words);
+  BOOST_TEST(count("evaluate slip.urdf --quantity M --quiet") == 0u);
+  BOOST_TEST(program.run("show slip.urdf", "2>/dev/null").out.find("\nRemarks\n  " + said) !=
+             std::string::npos);
+  refuses(program, "evaluate mas.urdf --quantity M",
+          "mas.urdf:3: link \"arm\": <inertial>: has no <mass>");
+  BOOST_TEST(program.run("evaluate mas.urdf --quantity M").out.find("<mas> (did you mean mass?)") !=
+             std::string::npos);
+
+  // 30 and 540 degrees; q2 once, though two rows have it
+  program.write("degrees.csv", "q1,q2\n0.5,30\n1,540\n");
+  BOOST_TEST(
+      program.run("evaluate acrobot --quantity g --states degrees.csv", "2>&1 >/dev/null").out ==
+      "degrees.csv: q2 = 30 rad is 4.8 turns; if it is in degrees, write "
+      "0.5235987755982988\n");
+  BOOST_TEST(program.run("evaluate acrobot --quantity g --q 30,0", "2>&1 >/dev/null").out ==
+             "--q: q1 = 30 rad is 4.8 turns; if it is in degrees, write 30*pi/180\n");
+}
+
 BOOST_AUTO_TEST_CASE(numbers_inside_words_are_finite_too) {
   const Program program;
   for (const char* value : {"nan", "inf", "1e400", "-1", "abc"})

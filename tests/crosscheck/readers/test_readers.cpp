@@ -578,6 +578,32 @@ BOOST_AUTO_TEST_CASE(engines_do_what_they_are_known_to_do_with_a_link_without_in
   }
 }
 
+// A finger without <inertial>, which the planted reader gives its default of 1 kg.
+BOOST_AUTO_TEST_CASE(a_body_without_inertial_and_a_slip_of_the_pen_are_told_as_the_file_has_them) {
+  const std::string robot =
+      "<robot name=\"r\">\n<link name=\"base\"/>\n<link name=\"finger\">{}</link>\n"
+      "<joint name=\"bend\" type=\"continuous\"><parent link=\"base\"/><child link=\"finger\"/>"
+      "<axes xyz=\"0 0 1\"/></joint>\n</robot>\n";
+  const auto urdf = [&](const std::string& inertial) {
+    std::string text = robot;
+    return text.replace(text.find("{}"), 2, inertial);
+  };
+  const std::string filled = urdf(
+      "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" "
+      "iyz=\"0\"/></inertial>");
+  const ReadersResult result = examineReaders(urdf(""), "r.urdf", {readerOf(filled)}, 5, 1);
+  BOOST_TEST_REQUIRE(result.remarks.size() == 2u);
+  BOOST_TEST(
+      result.remarks[0] ==
+      "r.urdf:4: joint \"bend\": <joint> has an unknown element <axes> (did you mean axis?): "
+      "it is ignored");
+  BOOST_TEST(result.remarks[1].find("r.urdf:3: link \"finger\": neither it nor") == 0u);
+  const std::string said = readersText(result, false);
+  BOOST_TEST(said.find(result.remarks[0]) != std::string::npos, said);
+  BOOST_TEST(said.find("the file: no <inertial>, which is 0 kg") != std::string::npos, said);
+  BOOST_TEST(readersJson(result, "x").find("\"remarks\"") != std::string::npos);
+}
+
 BOOST_AUTO_TEST_CASE(the_command_has_its_exit_status_table_and_json) {
   const Program program;
   program.write("trap.urdf", text(Arm()));
