@@ -2,6 +2,7 @@
 // MuJoCo called as its users call it: no witness around it, no copies.
 #pragma once
 
+#ifdef DYNWITNESS_HAS_MUJOCO
 #include <mujoco/mujoco.h>
 
 #include <cstring>
@@ -95,3 +96,4 @@ class RawMujoco {
 };
 
 }  // namespace dynwitness::crosscheck
+#endif

@@ -22,7 +22,6 @@
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/outside_claims.hpp"
 #include "crosscheck/witnesses/outside_judge.hpp"
-#include "crosscheck/witnesses/witness_names.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -313,8 +312,13 @@ bool isName(const std::string& text) {
 std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, const Limits& limits,
                                      const scene::Scene& scene) {
   std::vector<WitnessKind> kinds;
-  std::vector<std::string> taken = witnessNames();
-  taken.insert(taken.end(), {"table", "control"});
+  // once a process: to list the kernel among them a program is compiled
+  static const std::vector<std::string> ours = [] {
+    std::vector<std::string> names = {"table", "control"};
+    for (const WitnessKind& kind : witnessKinds()) names.push_back(kind.info.name);
+    return names;
+  }();
+  std::vector<std::string> taken = ours;
   for (std::size_t k = 0; k < commands.size(); ++k) {
     const std::string& command = commands[k];
     WitnessInfo info;
