@@ -46,19 +46,11 @@ const std::map<std::string, Words>& vocabulary() {
   return words;
 }
 
-std::string inLowerCase(std::string text) {
-  for (char& c : text) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  return text;
-}
-
 /// Which word of the format is meant by one that it has not; empty: none, it is somebody else's.
 std::string meantBy(const std::string& word, const std::vector<std::string>& known) {
   if (std::find(known.begin(), known.end(), word) != known.end()) return {};
   if (word.find(':') != std::string::npos) return {};
-  const std::string lower = inLowerCase(word);
-  for (const std::string& name : known)  // xzy, ryp
-    if (std::is_permutation(lower.begin(), lower.end(), name.begin(), name.end())) return name;
-  return nearestName(lower, known);
+  return nearestName(word, known);
 }
 
 void addMisspelt(const Element& element, const std::string& owner, std::vector<std::string>* said) {

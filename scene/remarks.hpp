@@ -25,8 +25,8 @@ std::string moreThanATurn(double angle, AngleSpelling spelling);
 /** What is remarkable in a URDF, one "FILE:LINE: ..." each:
 
     - elements and attributes within <link>, <inertial> and <joint> that URDF has not, where one
-      that it has is near (nearest_name.hpp, or the same letters). Other foreign words are
-      extensions, and passed over without a remark, as is what stands in a namespace.
+      that it has is near (nearest_name.hpp). Other foreign words are extensions, and passed over
+      without a remark, as is what stands in a namespace.
     - rpy of more than a turn.
     - limits whose lower end is above the upper; those of revolute joints that are more than two
       turns in radians, and no more than two turns in degrees: beyond, they are meant as none.
