@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/state_gap.hpp"
 
