@@ -487,6 +487,7 @@ BOOST_AUTO_TEST_CASE(the_largest_difference_is_told_with_its_place) {
   law.kind = CheckKind::kLaw;
   law.law = "independence of the chosen root";
   law.left = "a";
+  law.right.clear();
   law.worst_entry = "qdd[20]";
   law.worst_state = 76;
   law.ratio = 0.5;
