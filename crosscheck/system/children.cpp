@@ -362,10 +362,9 @@ std::string triedInCopy(const std::function<std::string()>& trial, double second
 namespace {
 
 /// The start of a text that somebody else wrote, on one line.
-std::string quoted(std::string text) {
-  constexpr std::size_t kShown = 80;
-  const bool is_cut = text.size() > kShown;
-  if (is_cut) text.resize(kShown);
+std::string quoted(std::string text, std::size_t shown = 80) {
+  const bool is_cut = text.size() > shown;
+  if (is_cut) text.resize(shown);
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) > '~') c = '?';
   return "'" + text + (is_cut ? "'..." : "'");
@@ -423,9 +422,10 @@ struct Conversation::Running {
     std::size_t begin = grumble.find_last_not_of(" \n\r\t");
     grumble.resize(begin == std::string::npos ? 0 : begin + 1);
     begin = grumble.rfind('\n');
+    constexpr std::size_t kOfError = 240;  // a path or two, and then what is wrong with it
     if (!grumble.empty())
       failure += "; its standard error ends with " +
-                 quoted(grumble.substr(begin == std::string::npos ? 0 : begin + 1));
+                 quoted(grumble.substr(begin == std::string::npos ? 0 : begin + 1), kOfError);
     throw std::runtime_error(failure);
   }
 
