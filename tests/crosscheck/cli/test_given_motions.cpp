@@ -490,9 +490,10 @@ BOOST_AUTO_TEST_CASE(columns_may_have_the_names_of_joints) {
   program.write("twice.csv", "shoulder,q1,q2\n1,1,2\n");
   refuses(program, asked + "twice.csv", "twice.csv:1: column 'q1' stands twice");
   program.write("slip.csv", "shoulder,elbow.qs\n1,2\n");
-  refuses(program, asked + "slip.csv",
-          "slip.csv:1: column 'elbow.qs' is unknown (did you mean elbow.q?); column 'q2' is missing, "
-          "allowed: q1..q2");
+  refuses(
+      program, asked + "slip.csv",
+      "slip.csv:1: column 'elbow.qs' is unknown (did you mean elbow.q?); column 'q2' is missing, "
+      "allowed: q1..q2");
 }
 
 BOOST_AUTO_TEST_CASE(all_faults_of_a_states_file_are_told_at_once) {

@@ -499,7 +499,7 @@ const std::vector<Refused> kRefused = {
      "rubric.toml:3: scene: "},
     {kCommand + kTask + kTask, "rubric.toml:7: scene: 'acrobot' is the scene of another task"},
     {kCommand + "[[task]]\nscene = \"acrobot\"\n[task.marks]\nG = 1\n",
-     "rubric.toml:5: marks: unknown key \"G\", allowed: M, c, g, tau, "},
+     "rubric.toml:5: marks: unknown key \"G\" (did you mean g?), allowed: M, c, g, tau, "},
     {kCommand + "[[task]]\nscene = \"acrobot\"\n[task.marks]\ng = -1\n",
      "rubric.toml:5: marks: g: read -1, allowed: a number, 0 or more"},
     {kCommand + "[[task]]\nscene = \"acrobot\"\n[task.marks]\ng = 0\n",
