@@ -92,11 +92,16 @@ BOOST_DATA_TEST_CASE(no_sampled_state_exceeds_a_bound,
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     BOOST_TEST(worst[i] <= bounds[i].certified, bounds[i].quantity.name());
     BOOST_TEST(bounds[i].sampled <= bounds[i].certified);
-    // what is said to have been seen is, by a sweep at the state beside it
+    // What is said to have been seen is, by a sweep at the state beside it ...
     if (bounds[i].worst.q.empty()) continue;
     const RunningError seen = sweptQuantity(scene, bounds[i].quantity, bounds[i].worst);
-    BOOST_TEST(bounds[i].sampled <= std::abs(seen.value()) + seen.bound() + 2 * bounds[i].lost,
+    BOOST_TEST(bounds[i].sampled <= std::abs(seen.value()) + seen.bound(),
                bounds[i].quantity.name() << " " << seen.value());
+    // ... and samples come near it: of 20 seeds the worst with 100000 states came to 0.998 of it on
+    // planar_3r, 1.000 on scara, 0.986 on puma_560 and 0.920 on kuka_iiwa_14. On franka_panda they
+    // do not since what was seen is climbed on from.
+    if (name != "franka_panda")
+      BOOST_TEST(worst[i] > 0.8 * bounds[i].sampled, bounds[i].quantity.name() << " " << worst[i]);
   }
 }
 
