@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include <fmt/format.h>
+#include <boost/math/constants/constants.hpp>
 
 #include "scene/faults.hpp"
 #include "scene/nearest_name.hpp"
@@ -19,7 +20,7 @@
 namespace dynwitness::scene {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846, kTurn = 2 * kPi;
+constexpr double kPi = boost::math::constants::pi<double>(), kTurn = 2 * kPi;
 
 /// What may stand in an element of URDF: https://wiki.ros.org/urdf/XML, urdfdom's quat_xyzw, and
 /// what PyBullet and others have made common.

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/verdicts/result.hpp"
+
 namespace dynwitness::crosscheck {
 namespace {
 
@@ -163,10 +165,7 @@ std::string headlineOf(const Examination& e) {
   if (e.model.is_told) judged.push_back("its links");
   for (const QuantityFound& q : e.quantities)
     if (q.verdict == Judged::kRight) judged.push_back(q.name);
-  std::string words;
-  for (std::size_t k = 0; k < judged.size(); ++k)
-    words += (k == 0 ? "" : k + 1 < judged.size() ? ", " : " and ") + judged[k];
-  return fmt::format("right in {}; not answered: {}", words, joined(left));
+  return fmt::format("right in {}; not answered: {}", listed(judged), joined(left));
 }
 
 Json modelJson(const ModelExamined& model) {

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
@@ -231,11 +232,12 @@ struct StatesReader::Parts {
     return columns;
   }
 
-  /// Whether a cell is a number, as no name of a column is.
-  static bool isNumber(std::string_view cell) {
+  /// The number that a cell is, as no name of a column is; none: it is another word.
+  static std::optional<double> numberIn(std::string_view cell) {
     double value = 0;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    return error == std::errc() && end == cell.data() + cell.size();
+    if (error != std::errc() || end != cell.data() + cell.size()) return {};
+    return value;
   }
 
   /// Lines that are no header of ours, whatever the scene.
@@ -251,7 +253,8 @@ struct StatesReader::Parts {
                       cells[0][mark] == ';'    ? "\";\""
                       : cells[0][mark] == '\t' ? "tabs"
                                                : "blanks"));
-    if (std::all_of(cells.begin(), cells.end(), isNumber))
+    if (std::all_of(cells.begin(), cells.end(),
+                    [](std::string_view cell) { return numberIn(cell).has_value(); }))
       throw InputError(lines.where(),
                        fmt::format("'{}' where the header is expected, allowed as the first line: "
                                    "names of columns, {}",
@@ -343,13 +346,12 @@ struct StatesReader::Parts {
 
   double number(int place) const {
     const std::string_view cell = cells[static_cast<std::size_t>(place)];
-    double value = 0;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
+    const std::optional<double> value = numberIn(cell);
+    if (!value || !std::isfinite(*value))
       throw InputError(lines.where(),
                        fmt::format("{} is '{}', allowed: a finite number",
                                    names[static_cast<std::size_t>(place)], cell.substr(0, 80)));
-    return value;
+    return *value;
   }
 
   void fill(int group, std::vector<double>* values) const {

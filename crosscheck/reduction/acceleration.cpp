@@ -71,7 +71,6 @@ class AccelerationSearch : AccelerationBoxes {
         nothingKnown(i), table_.active(), options, decide, [&](Box* part) { judge(part); },
         [&](const std::vector<double>& q, const Box& part) { return seenAt(q, part); });
   }
-  using AccelerationBoxes::isKnown;
 
  private:
   /// The largest of viscous and dry friction at a joint.
@@ -323,8 +322,7 @@ class AccelerationBounds::Searches {
     EnvelopeBound& known = known_[static_cast<std::size_t>(i)];
     EnvelopeBound mine = known.boxes > 0 ? known : by_norms_.over(i, box_, first, decide);
     if (decide < 0) known = mine;
-    if (AccelerationSearch::isKnown(mine.certified, mine.sampled, options, decide) ||
-        options.boxes <= first.boxes)
+    if (isKnown(mine.certified, mine.sampled, options, decide) || options.boxes <= first.boxes)
       return mine;
     std::vector<double> certified;
     for (int j = 0; j < model_.dof; ++j) {

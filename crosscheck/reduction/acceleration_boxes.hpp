@@ -37,11 +37,6 @@ class AccelerationBoxes {
       const std::function<double(const std::vector<double>&, const Box&)>& seen_at);
   /// Of joint i; infinite.
   static EnvelopeBound nothingKnown(int i);
-  static bool isKnown(double certified, double sampled, const EnvelopeOptions& options,
-                      double decide) {
-    return decide < 0 ? certified <= options.ratio * sampled
-                      : certified <= decide || sampled > decide;
-  }
 
   struct Largest {
     double value, dry;  ///< without dry friction, and what that adds; no roundings in them

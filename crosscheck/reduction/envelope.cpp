@@ -79,10 +79,7 @@ class Search : public BoundedQuantity {
     for (const int r : rates_) whole.qd.push_back(at(r).qd);
     const BoxesSeen seen = bestFirst(
         whole, options.boxes, [&](Box* box) { judge(box); },
-        [&](double bound) {
-          const double seen = seen_ - 2 * slack_;
-          return decide < 0 ? bound <= options.ratio * seen : bound <= decide || seen > decide;
-        },
+        [&](double bound) { return isKnown(bound, seen_ - 2 * slack_, options, decide); },
         [&] {
           climb_.from(whole.q,
                       [&](const std::vector<double>& q) { return seenAt(computed(q), q, whole); });

@@ -65,6 +65,14 @@ struct EnvelopeOptions {
   std::vector<scene::UncertainParameter> parameters = {};
 };
 
+/// Whether what is asked about |x| follows from a bound and what was seen.
+/// @param decide  as boundOfParts()
+inline bool isKnown(double certified, double sampled, const EnvelopeOptions& options,
+                    double decide) {
+  return decide < 0 ? certified <= options.ratio * sampled
+                    : certified <= decide || sampled > decide;
+}
+
 /// Several boxes, one after the other: a tube around a motion.
 using EnvelopeBoxes = std::vector<std::vector<scene::JointRanges>>;
 
