@@ -245,6 +245,7 @@ BOOST_AUTO_TEST_CASE(a_slip_in_a_file_is_told_by_every_command_that_reads_it) {
   program.write("degrees.csv", "q1,q2\n0.5,30\n1,540\n");
   BOOST_TEST(
       program.run("evaluate acrobot --quantity g --states degrees.csv", "2>&1 >/dev/null").out ==
+      "acrobot: no qd given: at rest (qd = 0)\n"
       "degrees.csv: q2 = 30 rad is 4.8 turns; if it is in degrees, write "
       "0.5235987755982988\n");
   BOOST_TEST(program.run("evaluate acrobot --quantity g --q 30,0", "2>&1 >/dev/null").out ==
