@@ -22,6 +22,7 @@ using crosscheck::Direction;
 using crosscheck::Dual;
 using fixtures::mismatch;
 using fixtures::Q;
+using fixtures::withJoint;
 using fixtures::wrist;
 using fixtures::Wrist;
 
@@ -79,22 +80,6 @@ void requireDerivatives(Wrist w) {
   BOOST_TEST(mismatch(swept.of_qdd.dqdd_dq, byDuals(w, &Direction<Q>::q, qdd)) == "");
   BOOST_TEST(mismatch(swept.of_qdd.dqdd_dqd, byDuals(w, &Direction<Q>::qd, qdd)) == "");
   BOOST_TEST(mismatch(swept.of_qdd.dqdd_dtau, byDuals(w, &Direction<Q>::tau, qdd)) == "");
-}
-
-/// The same tree with its second moving joint of this kind, without what such joints do not have.
-scene::Mechanism withJoint(scene::Mechanism m, JointKind kind) {
-  int moving = 0;
-  for (scene::Link& link : m.links) {
-    if (link.parent < 0 || link.joint.kind == JointKind::kFixed || ++moving != 2) continue;
-    const scene::Placement placement = link.joint.placement;
-    const std::string name = link.joint.name;
-    link.joint = scene::Joint();
-    link.joint.kind = kind;
-    link.joint.name = name;
-    if (placement.convention == scene::Placement::Convention::kXyzRpy)
-      link.joint.placement = placement;
-  }
-  return m;
 }
 
 }  // namespace
