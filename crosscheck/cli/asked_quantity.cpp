@@ -35,18 +35,19 @@ bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
 
 Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
-  for (const char* name : {"tau", "power", "residual", "reactions", "acceleration", "dtau_dq", "Y"})
+  for (const char* name :
+       {"tau", "power", "residual", "reactions", "acceleration", "dtau_dq", "d2tau_dq_dq", "Y"})
     if (quantity == name) return Needs::kQdd;
   for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F",
-                           "PF", "beta", "dqdd_dq"})
+                           "PF", "beta", "dqdd_dq", "d2qdd_dq_dq"})
     if (quantity == name) return Needs::kTau;
   return Needs::kNothing;
 }
 
 bool takesInverse(const std::string& quantity) {
-  for (const char* name :
-       {"qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "Jbar", "task_torque", "null_torque",
-        "M_A", "P", "PM", "F", "PF", "E", "beta", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"})
+  if (quantity.rfind("dqdd_", 0) == 0 || quantity.rfind("d2qdd_", 0) == 0) return true;
+  for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "Jbar", "task_torque",
+                           "null_torque", "M_A", "P", "PM", "F", "PF", "E", "beta"})
     if (quantity == name) return true;
   return false;
 }

@@ -181,6 +181,7 @@ std::optional<EvaluatedColumn> ownColumnOf(const std::string& text,
   if (column.of_points && !sources.points)
     sources.points.emplace(scene, pointsOf(arguments, scene), axesOfPoints(arguments));
   if (column.derivative && !sources.derivatives) sources.derivatives.emplace(scene);
+  if (column.derivative) sources.derivatives->require(*column.derivative);
   return column;
 }
 

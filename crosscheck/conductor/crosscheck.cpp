@@ -19,6 +19,7 @@
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/verdicts/check_derivatives.hpp"
+#include "crosscheck/verdicts/check_second_derivatives.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/check_mechanism.hpp"
@@ -76,6 +77,7 @@ SceneResult byLaws(const PreparedScene& scene, const Options& options, const Pla
   result.checks = checkIdentities(scene, options);
   append(result.checks, checkPoints(scene, options));
   append(result.checks, checkDerivatives(scene, options));
+  append(result.checks, checkSecondDerivatives(scene, options));
   if (options.drift && refusals(scene.scene(), Command::kDrift).empty())
     result.drift = measureDrift(scene, {});
   return result;

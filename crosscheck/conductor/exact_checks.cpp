@@ -5,6 +5,7 @@
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/exact/point_checks.hpp"
 #include "crosscheck/exact/regressor_checks.hpp"
+#include "crosscheck/exact/second_derivative_checks.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
 #include "scene/work.hpp"
 
@@ -14,7 +15,7 @@ std::vector<CheckResult> exactChecks(const PreparedScene& prepared, const ExactO
   const scene::Scene& scene = prepared.scene();
   const std::vector<ExactWitness> witnesses = exactWitnesses(
       prepared, options.parameters, options.witnesses.empty() ? witnessKinds() : options.witnesses);
-  scene::Work work("", 6);
+  scene::Work work("", 7);
   std::vector<CheckResult> checks =
       decide(scene, both(comparisonInquiry(witnesses), identityInquiry(scene.mechanism)), options);
   const auto add = [&](const std::vector<CheckResult>& more) {
@@ -24,6 +25,7 @@ std::vector<CheckResult> exactChecks(const PreparedScene& prepared, const ExactO
   const DerivedPrograms& derived = prepared.derived(options.parameters == Parameters::kAsWritten);
   add(checkPointsExactly(scene, options));
   add(checkDerivativesExactly(scene, options, derived));
+  add(checkSecondDerivativesExactly(scene, options, derived));
   add(checkClosuresExactly(scene, options, derived));
   add(checkRegressorExactly(scene, options));
   add(checkConstrainedExactly(scene, options, derived));

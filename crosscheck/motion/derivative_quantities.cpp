@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,31 +13,97 @@
 #include "recursive/composite_body.hpp"
 #include "recursive/derivatives.hpp"
 #include "recursive/regressor.hpp"
+#include "recursive/second_derivatives.hpp"
 #include "scene/inertial_parameters.hpp"
 #include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr std::array<const char*, 7> kDerivativeNames = {
-    "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau", "C", "Y"};
+constexpr std::array<const char*, 15> kDerivativeNames = {"dtau_dq",
+                                                          "dtau_dqd",
+                                                          "dqdd_dq",
+                                                          "dqdd_dqd",
+                                                          "dqdd_dtau",
+                                                          "C",
+                                                          "Y",
+                                                          "d2tau_dq_dq",
+                                                          "d2tau_dq_dqd",
+                                                          "d2tau_dqd_dqd",
+                                                          "d2tau_dq_dqdd",
+                                                          "d2qdd_dq_dq",
+                                                          "d2qdd_dq_dqd",
+                                                          "d2qdd_dqd_dqd",
+                                                          "d2qdd_dq_dtau"};
 
-bool isOfForces(DerivativeQuantity quantity) {
-  return quantity <= DerivativeQuantity::kDtauDqd;
+bool isSecond(DerivativeQuantity quantity) {
+  return quantity >= DerivativeQuantity::kD2tauDqDq;
 }
 
-/// Of an entry, its row and its column those of a slide or of a turn.
-const char* unitOf(DerivativeQuantity quantity, bool row_slides, bool column_slides) {
-  // turn by turn, turn by slide, slide by turn, slide by slide
+/// What a derivative is of and by: "dtau_dq" is "tau", "q".
+struct Letters {
+  std::string of;
+  std::vector<std::string> by;
+};
+Letters lettersOf(DerivativeQuantity quantity) {
   if (quantity == DerivativeQuantity::kCoriolis) quantity = DerivativeQuantity::kDtauDqd;
-  static constexpr const char* kUnits[][4] = {
-      {"N m/rad", "N", "N/rad", "N/m"},
-      {"N m s/rad", "N s", "N s/rad", "N s/m"},
-      {"1/s^2", "rad/(m s^2)", "m/(rad s^2)", "1/s^2"},
-      {"1/s", "rad/(m s)", "m/(rad s)", "1/s"},
-      {"1/(kg m^2)", "1/(kg m)", "1/(kg m)", "1/kg"},
+  std::string rest = name(quantity);
+  Letters out;
+  const auto next = [&](std::size_t skipped) {
+    const std::size_t end = std::min(rest.find('_'), rest.size());
+    std::string letter = rest.substr(skipped, end - skipped);
+    rest.erase(0, end + 1);
+    return letter;
   };
-  return kUnits[static_cast<int>(quantity)][(row_slides ? 2 : 0) + (column_slides ? 1 : 0)];
+  out.of = next(isSecond(quantity) ? 2 : 1);
+  while (!rest.empty()) out.by.push_back(next(1));
+  return out;
+}
+
+/// kg, N, m, rad, s, each to a power.
+using Powers = std::array<int, 5>;
+
+std::string inWords(const Powers& powers) {
+  constexpr const char* kUnits[] = {"kg", "N", "m", "rad", "s"};
+  std::string above, below;
+  int factors_below = 0;
+  for (std::size_t k = 0; k < powers.size(); ++k) {
+    if (powers[k] == 0) continue;
+    std::string& to = powers[k] > 0 ? above : below;
+    if (powers[k] < 0) ++factors_below;
+    const int power = std::abs(powers[k]);
+    to += fmt::format("{}{}{}", to.empty() ? "" : " ", kUnits[k],
+                      power == 1 ? "" : fmt::format("^{}", power));
+  }
+  if (above.empty()) above = "1";
+  if (below.empty()) return above;
+  return fmt::format(factors_below > 1 ? "{}/({})" : "{}/{}", above, below);
+}
+
+/// Of an entry in the row of a joint that slides or turns, by letters of joints that do. Of M and
+/// 1/M an angle is a number, as everywhere: kg m^2, and not kg m^2/rad.
+std::string unitOf(const Letters& letters, bool row_slides, const std::vector<bool>& slide) {
+  enum { kKg, kN, kM, kRad, kS };
+  Powers powers = {};
+  const std::string& last = letters.by.back();
+  const bool is_inverse = last == "tau", is_M = last == "qdd";
+  if (is_inverse || is_M) {
+    const int sign = is_M ? 1 : -1;
+    powers[kKg] = sign;
+    powers[kM] = sign * ((row_slides ? 0 : 1) + (slide.back() ? 0 : 1));
+  } else if (letters.of == "tau") {
+    powers[kN] = 1;
+    powers[kM] = row_slides ? 0 : 1;
+  } else {
+    ++powers[row_slides ? kM : kRad];
+    powers[kS] = -2;
+  }
+  for (std::size_t k = 0; k < letters.by.size(); ++k) {
+    if (letters.by[k] == "tau" || letters.by[k] == "qdd") continue;
+    --powers[slide[k] ? kM : kRad];
+    if (letters.by[k] == "qd") ++powers[kS];
+  }
+  return inWords(powers);
 }
 
 }  // namespace
@@ -77,7 +145,7 @@ struct DerivativeQuantities::Parts {
       throw scene::InputError(
           link.where, fmt::format("joint '{}' has Coulomb friction and rests: its force jumps "
                                   "there and has no derivative by qd; allowed: states where it "
-                                  "moves, or dtau_dq, dqdd_dq, dqdd_dtau",
+                                  "moves, or derivatives by q, qdd and tau alone",
                                   link.joint.name));
     }
   }
@@ -89,13 +157,69 @@ struct DerivativeQuantities::Parts {
   recursive::ForwardDynamicsDerivatives<double> of_forward;
   std::vector<scene::InertialParameter> parameters;
   std::vector<double> qdd;
+
+  /// Made when they are first asked for: n^3 numbers each.
+  struct Second {
+    explicit Second(const recursive::Model<double>& model)
+        : room(model), of_tau(model), of_qdd(model) {}
+    recursive::SecondDerivativesWorkspace<double> room;
+    recursive::InverseDynamicsSecondDerivatives<double> of_tau;
+    recursive::ForwardDynamicsSecondDerivatives<double> of_qdd;
+  };
+  std::unique_ptr<Second> second;
+
+  /// n x n^2, of one cube. @param quantity  of qdd, if it is
+  Eigen::MatrixXd secondDerivatives(DerivativeQuantity quantity, const scene::State<double>& state);
 };
+
+Eigen::MatrixXd DerivativeQuantities::Parts::secondDerivatives(DerivativeQuantity quantity,
+                                                               const scene::State<double>& state) {
+  using Quantity = DerivativeQuantity;
+  if (!second) second = std::make_unique<Second>(model);
+  const std::vector<double> none(qdd.size(), 0.0);
+  Second& s = *second;
+  if (quantity <= Quantity::kD2tauDqDqdd) {
+    recursive::inverseDynamicsSecondDerivatives(model, state.x, state.qd,
+                                                quantity == Quantity::kD2tauDqDq ? state.qdd : none,
+                                                s.room, s.of_tau);
+  } else {
+    if (quantity == Quantity::kD2qddDqDq)
+      recursive::forwardDynamics(model, state.x, state.qd, state.tau, room.ws, qdd);
+    recursive::forwardDynamicsSecondDerivatives(model, state.x, state.qd,
+                                                quantity == Quantity::kD2qddDqDq ? qdd : none,
+                                                s.room, s.of_tau, s.of_qdd);
+  }
+  recursive::Cube<double>* const cubes[] = {&s.of_tau.d2tau_dq_dq,   &s.of_tau.d2tau_dq_dqd,
+                                            &s.of_tau.d2tau_dqd_dqd, &s.of_tau.d2tau_dq_dqdd,
+                                            &s.of_qdd.d2qdd_dq_dq,   &s.of_qdd.d2qdd_dq_dqd,
+                                            &s.of_qdd.d2qdd_dqd_dqd, &s.of_qdd.d2qdd_dq_dtau};
+  recursive::Cube<double>& cube =
+      *cubes[static_cast<int>(quantity) - static_cast<int>(Quantity::kD2tauDqDq)];
+  const int n = model.dof();
+  Eigen::MatrixXd out(n, n * n);
+  for (int j = 0; j < n; ++j) out.middleCols(j * n, n) = cube.slab(j);
+  return out.array() + 0.0;  // not -0
+}
 
 DerivativeQuantities::DerivativeQuantities(const scene::Scene& scene) {
   requireTreated(scene, Command::kEvaluateDerivatives);
   parts_ = std::make_unique<Parts>(scene);
 }
 DerivativeQuantities::~DerivativeQuantities() = default;
+
+void DerivativeQuantities::require(DerivativeQuantity quantity) const {
+  if (!isSecond(quantity)) return;
+  const long n = parts_->model.dof();
+  if (n * n * n > kMostNumbers)
+    throw scene::InputError(
+        {}, fmt::format("{} of {} rates has {} numbers a state, allowed: at most {}, or first "
+                        "derivatives",
+                        name(quantity), n, n * n * n, kMostNumbers));
+  if (parts_->scene.mechanism.hasGearedRotors())
+    throw scene::InputError({}, fmt::format("{} of a scene with rotors that are geared to several "
+                                            "rates, allowed: scenes without, or first derivatives",
+                                            name(quantity)));
+}
 
 std::vector<std::string> DerivativeQuantities::columns(DerivativeQuantity quantity) const {
   const int n = parts_->model.dof();
@@ -111,11 +235,18 @@ std::vector<std::string> DerivativeQuantities::columns(DerivativeQuantity quanti
         matrix.push_back(fmt::format("Y{}_{}", i, label(parameter, parts_->scene.mechanism)));
     return matrix;
   }
-  const std::string both = name(quantity), of = isOfForces(quantity) ? "dtau" : "dqdd";
-  const std::string by = both.substr(of.size());
+  const Letters letters = lettersOf(quantity);
   std::vector<std::string> out;
   for (int i = 1; i <= n; ++i)
-    for (int j = 1; j <= n; ++j) out.push_back(fmt::format("{}{}{}{}", of, i, by, j));
+    for (int j = 1; j <= n; ++j) {
+      const std::string entry = fmt::format("{}{}{}_d{}{}", isSecond(quantity) ? "d2" : "d",
+                                            letters.of, i, letters.by[0], j);
+      if (!isSecond(quantity)) {
+        out.push_back(entry);
+        continue;
+      }
+      for (int k = 1; k <= n; ++k) out.push_back(fmt::format("{}_d{}{}", entry, letters.by[1], k));
+    }
   return out;
 }
 
@@ -134,8 +265,15 @@ std::vector<std::string> DerivativeQuantities::units(DerivativeQuantity quantity
       }
     return out;
   }
+  const Letters letters = lettersOf(quantity);
   for (const bool row : slides)
-    for (const bool column : slides) out.emplace_back(unitOf(quantity, row, column));
+    for (const bool first : slides) {
+      if (!isSecond(quantity)) {
+        out.push_back(unitOf(letters, row, {first}));
+        continue;
+      }
+      for (const bool second : slides) out.push_back(unitOf(letters, row, {first, second}));
+    }
   return out;
 }
 
@@ -144,8 +282,11 @@ Eigen::MatrixXd DerivativeQuantities::value(DerivativeQuantity quantity,
   Parts& p = *parts_;
   // what the quantity does not hang on may be missing
   const std::vector<double> none(p.qdd.size(), 0.0);
-  if (quantity == DerivativeQuantity::kDtauDqd || quantity == DerivativeQuantity::kDqddDqd)
+  const auto& by = lettersOf(quantity).by;
+  if (quantity != DerivativeQuantity::kCoriolis &&
+      std::find(by.begin(), by.end(), "qd") != by.end())
     p.requireMoving(state);
+  if (isSecond(quantity)) return p.secondDerivatives(quantity, state);
   if (quantity == DerivativeQuantity::kCoriolis)
     return recursive::coriolisMatrix(p.model, state.x, state.qd, p.room.ws).array() + 0.0;
   if (quantity == DerivativeQuantity::kRegressor) {
@@ -153,7 +294,7 @@ Eigen::MatrixXd DerivativeQuantities::value(DerivativeQuantity quantity,
     recursive::regressor(p.model, p.parameters, state.x, state.qd, state.qdd, p.room.ws, Y);
     return Y.array() + 0.0;
   }
-  if (isOfForces(quantity)) {
+  if (quantity <= DerivativeQuantity::kDtauDqd) {
     recursive::inverseDynamicsDerivatives(
         p.model, state.x, state.qd, quantity == DerivativeQuantity::kDtauDq ? state.qdd : none,
         p.room, p.of_inverse);

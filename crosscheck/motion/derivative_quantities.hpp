@@ -24,6 +24,10 @@ namespace dynwitness::crosscheck {
                  dM/dt - 2 C is skew-symmetric
       Y          n x p, the regressor (recursive/regressor.hpp): d tau by the inertial parameters,
                  tau = Y pi less springs, friction and loads, of the state's qdd
+    and n x n^2 each, columns (1, 1), (1, 2), ... of the second derivatives
+    (recursive/second_derivatives.hpp), those that are not zero by nature:
+      d2tau_dq_dq, d2tau_dq_dqd, d2tau_dqd_dqd, d2tau_dq_dqdd (dM/dq)
+      d2qdd_dq_dq, d2qdd_dq_dqd, d2qdd_dqd_dqd, d2qdd_dq_dtau (d(1/M)/dq)
     Of spherical and floating joints q_j moves as at a unit rate qd_j: along the body's axes. */
 enum class DerivativeQuantity {
   kDtauDq,
@@ -32,25 +36,38 @@ enum class DerivativeQuantity {
   kDqddDqd,
   kDqddDtau,
   kCoriolis,
-  kRegressor
+  kRegressor,
+  kD2tauDqDq,
+  kD2tauDqDqd,
+  kD2tauDqdDqd,
+  kD2tauDqDqdd,
+  kD2qddDqDq,
+  kD2qddDqDqd,
+  kD2qddDqdDqd,
+  kD2qddDqDtau
 };
 const char* name(DerivativeQuantity quantity);
 std::optional<DerivativeQuantity> derivativeQuantityNamed(const std::string& name);
 std::vector<std::string> derivativeQuantityNames();
 
-/// By the sweeps of recursive/derivatives.hpp.
+/// By the sweeps of recursive/derivatives.hpp and second_derivatives.hpp.
 class DerivativeQuantities {
  public:
   /// @throws scene::InputError  what Command::kEvaluateDerivatives refuses
   explicit DerivativeQuantities(const scene::Scene& scene);
   ~DerivativeQuantities();
 
-  /// "dtau1_dq2", "C12", "Y2_mcx(forearm)", row by row.
+  /// @throws scene::InputError  second derivatives of more than kMostNumbers numbers a state, or of
+  ///   a scene with rotors geared to several rates
+  void require(DerivativeQuantity quantity) const;
+  static constexpr long kMostNumbers = 10'000'000;
+
+  /// "dtau1_dq2", "d2tau1_dq2_dqd3", "C12", "Y2_mcx(forearm)", row by row.
   std::vector<std::string> columns(DerivativeQuantity quantity) const;
   /// Their units, "N m/rad".
   std::vector<std::string> units(DerivativeQuantity quantity) const;
 
-  /// n x n, or n x p. @param state  with the qdd or tau that the quantity hangs on
+  /// n x n, n x p or n x n^2. @param state  with the qdd or tau that the quantity hangs on
   /// @throws scene::InputError  by a rate of a joint with Coulomb friction that rests, which has no
   ///   derivative there
   Eigen::MatrixXd value(DerivativeQuantity quantity, const scene::State<double>& state);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau): the fast sweeps of their own
-// and the textbook's beside the other sweeps on dual numbers, column by column, and MuJoCo's
-// differences of a step, in one run on the same states.
+// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau), second ones of tau: the fast
+// sweeps of their own and the textbook's beside the other sweeps on dual numbers, column by column,
+// and MuJoCo's differences of a step, in one run on the same states.
 #include <fmt/format.h>
 
 #include "crosscheck/chart/raw_mujoco.hpp"
@@ -12,6 +12,7 @@
 #include "recursive/build_model.hpp"
 #include "recursive/derivatives.hpp"
 #include "recursive/newton_euler.hpp"
+#include "recursive/second_derivatives.hpp"
 #include "scene/families.hpp"
 #include "scene/scene.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
@@ -66,6 +67,19 @@ void swept(benchmark::State& run, const std::string& scene, bool of_acceleration
       recursive::inverseDynamicsDerivatives(arm.model, s.x, s.qd, s.qdd, room, of_tau);
     }
     benchmark::DoNotOptimize(of_tau.M.data());
+    benchmark::ClobberMemory();
+  }
+}
+
+/// Second derivatives of tau, the first ones on the way.
+void sweptTwice(benchmark::State& run, const std::string& scene) {
+  Arm arm(scene);
+  recursive::SecondDerivativesWorkspace<double> room(arm.model);
+  recursive::InverseDynamicsSecondDerivatives<double> of_tau(arm.model);
+  for (auto _ : run) {
+    const scene::State<double>& s = arm.next();
+    recursive::inverseDynamicsSecondDerivatives(arm.model, s.x, s.qd, s.qdd, room, of_tau);
+    benchmark::DoNotOptimize(&of_tau);
     benchmark::ClobberMemory();
   }
 }
@@ -179,6 +193,8 @@ void registerDerivatives(BenchResult* result) {
       "Pinocchio and RBDL: no package of this system has them; data/engines/ has adapters for "
       "who does (--engine)");
   for (const char* scene : {"franka_panda", "humanoid", "humanoid_floating", "chain_64"}) {
+    benchmark::RegisterBenchmark(fmt::format("{}/d2tau/recursive", scene).c_str(),
+                                 [=](benchmark::State& run) { sweptTwice(run, scene); });
     for (const auto& [name, by] : compilers)
       for (const auto& [what, of_accelerations] : {std::pair("dtau", false), {"dqdd", true}})
         benchmark::RegisterBenchmark(

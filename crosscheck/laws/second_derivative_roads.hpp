@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The second derivatives of a tree's equations of motion by three roads that share no formula of
+// differentiation, along two directions.
+#pragma once
+
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "crosscheck/laws/law.hpp"
+#include "crosscheck/laws/second_derivative_names.hpp"
+#include "crosscheck/scalars/lifted.hpp"
+#include "crosscheck/scalars/moving_state.hpp"
+#include "crosscheck/witnesses/lagrange_derivatives.hpp"
+#include "recursive/articulated_body.hpp"
+#include "recursive/build_model.hpp"
+#include "recursive/newton_euler.hpp"
+#include "recursive/second_derivatives.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** Who differentiates twice:
+      lagrange      T and V once more (LagrangeDerivatives), those on dual numbers; of tau
+      dual_numbers  the sweeps on dual numbers of dual numbers: Newton and Euler for tau, articulated
+                    bodies for qdd
+      derivatives   the sweep of recursive/second_derivatives.hpp
+    The first two along a first direction w, then a second u; the last has every entry. */
+enum class SecondRoad { kLagrange, kDualNumbers, kSweep };
+inline const char* name(SecondRoad road) {
+  constexpr const char* kNames[] = {"lagrange", "dual_numbers", "derivatives"};
+  return kNames[static_cast<int>(road)];
+}
+
+/// A quantity by two roads.
+struct SecondPair {
+  SecondDerivative quantity;
+  SecondRoad left, right;
+};
+inline std::vector<SecondPair> secondPairs(const scene::Mechanism& mechanism) {
+  const bool has_sweep = whyNoSecondSweep(mechanism).empty();
+  std::vector<SecondPair> pairs;
+  for (std::size_t k = 0; k < kSecondDerivativeNames.size(); ++k) {
+    const auto quantity = static_cast<SecondDerivative>(k);
+    if (isOfForces(quantity)) {
+      pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kDualNumbers});
+      if (has_sweep) pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kSweep});
+    }
+    if (has_sweep) pairs.push_back({quantity, SecondRoad::kDualNumbers, SecondRoad::kSweep});
+  }
+  return pairs;
+}
+
+/** One mechanism in the arithmetic of T, moved from state to state; each road is gone once a state.
+
+    The directions are u, the state's tau, which has no part in its motion, and w_k = u_k^2: of a
+    cube of wrong entries E the sums over j, k of E_ijk w_j u_k are polynomials in u in which every
+    entry has a monomial u_j^2 u_k of its own. */
+template <typename T>
+class SecondDerivativeRoads {
+ public:
+  using Once = Dual<T>;
+  using Twice = Dual<Once>;
+
+  /// @param programs  must outlive it
+  template <typename Numbers>
+  SecondDerivativeRoads(const scene::Mechanism& mechanism, const LagrangeDerivatives& programs,
+                        const Numbers& number)
+      : model_(recursive::buildModel(mechanism, number)),
+        once_(lifted<Once>(model_)),
+        twice_(lifted<Twice>(once_)),
+        ws_(model_),
+        ws_twice_(twice_),
+        room_(model_),
+        of_tau_(model_),
+        of_qdd_(model_),
+        lagrange_(programs, DualNumbers<Numbers>(number)) {}
+
+  SecondDerivativeRoads& at(scene::State<T> state) {
+    state_ = std::move(state);
+    u_ = state_.tau;
+    w_.clear();
+    for (const T& u : u_) w_.push_back(u * u);
+    state_.tau.assign(u_.size(), T(0));
+    recursive::inverseDynamics(model_, state_.x, state_.qd, state_.qdd, ws_, state_.tau);
+    said_.clear();
+    is_swept_ = false;
+    return *this;
+  }
+  TwoSides<T> sides(const SecondPair& pair) {
+    const Said &left = hear(pair.quantity, pair.left), &right = hear(pair.quantity, pair.right);
+    const std::string& failure = left.failure.empty() ? right.failure : left.failure;
+    if (!failure.empty()) return {{}, {}, failure};
+    return {left.value, right.value};
+  }
+
+ private:
+  struct Said {
+    MatrixX<T> value;
+    std::string failure = {};
+  };
+  /// Of a state's four parts, one.
+  enum class Part { kQ, kQd, kQdd, kTau };
+  struct Parts {
+    Part first, second;
+  };
+  static Parts partsOf(SecondDerivative quantity) {
+    switch (quantity) {
+      case SecondDerivative::kTauByQQ:
+      case SecondDerivative::kQddByQQ:
+        return {Part::kQ, Part::kQ};
+      case SecondDerivative::kTauByQQd:
+      case SecondDerivative::kQddByQQd:
+        return {Part::kQ, Part::kQd};
+      case SecondDerivative::kTauByQdQd:
+      case SecondDerivative::kQddByQdQd:
+        return {Part::kQd, Part::kQd};
+      case SecondDerivative::kTauByQQdd:
+        return {Part::kQ, Part::kQdd};
+      case SecondDerivative::kQddByQTau:
+        return {Part::kQ, Part::kTau};
+    }
+    return {};
+  }
+  template <typename S>
+  static Direction<S> along(Part part, const std::vector<S>& direction) {
+    Direction<S> out;
+    (part == Part::kQ     ? out.q
+     : part == Part::kQd  ? out.qd
+     : part == Part::kQdd ? out.qdd
+                          : out.tau) = direction;
+    return out;
+  }
+
+  const Said& hear(SecondDerivative quantity, SecondRoad road) {
+    const auto it = said_.find({quantity, road});
+    if (it != said_.end()) return it->second;
+    Said said;
+    try {
+      said.value = road == SecondRoad::kLagrange      ? byLagrange(quantity)
+                   : road == SecondRoad::kDualNumbers ? byDuals(quantity)
+                                                      : bySweep(quantity);
+    } catch (const std::domain_error& error) {
+      said.failure = error.what();
+    }
+    return said_[{quantity, road}] = std::move(said);
+  }
+
+  /// The first derivatives along u, three columns, of the state as it moves along w.
+  MatrixX<T> byLagrange(SecondDerivative quantity) {
+    const Parts parts = partsOf(quantity);
+    scene::State<Once> moved = moving(model_, state_, along(parts.first, w_));
+    moved.tau.assign(u_.begin(), u_.end());
+    const MatrixX<Once> columns = lagrange_.ofForces(moved);
+    return columns.col(static_cast<int>(parts.second)).unaryExpr([](const Once& x) {
+      return x.derivative;
+    });
+  }
+  MatrixX<T> byDuals(SecondDerivative quantity) {
+    const Parts parts = partsOf(quantity);
+    const scene::State<Once> once = moving(model_, state_, along(parts.first, w_));
+    const scene::State<Twice> at =
+        moving(once_, once, along(parts.second, std::vector<Once>(u_.begin(), u_.end())));
+    std::vector<Twice> out(u_.size(), Twice(T(0)));
+    if (isOfForces(quantity))
+      recursive::inverseDynamics(twice_, at.x, at.qd, at.qdd, ws_twice_, out);
+    else
+      recursive::forwardDynamics(twice_, at.x, at.qd, at.tau, ws_twice_, out);
+    MatrixX<T> column(out.size(), 1);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      column(static_cast<Eigen::Index>(i), 0) = out[i].derivative.derivative;
+    return column;
+  }
+  MatrixX<T> bySweep(SecondDerivative quantity) {
+    if (!is_swept_)
+      recursive::forwardDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd, room_,
+                                                  of_tau_, of_qdd_);
+    is_swept_ = true;
+    recursive::Cube<T>* const cubes[] = {&of_tau_.d2tau_dq_dq,   &of_tau_.d2tau_dq_dqd,
+                                         &of_tau_.d2tau_dqd_dqd, &of_tau_.d2tau_dq_dqdd,
+                                         &of_qdd_.d2qdd_dq_dq,   &of_qdd_.d2qdd_dq_dqd,
+                                         &of_qdd_.d2qdd_dqd_dqd, &of_qdd_.d2qdd_dq_dtau};
+    const MatrixX<T> u = Eigen::Map<const MatrixX<T>>(u_.data(), model_.dof(), 1);
+    MatrixX<T> sum = MatrixX<T>::Constant(model_.dof(), 1, T(0));
+    for (int j = 0; j < model_.dof(); ++j)
+      sum += MatrixX<T>(cubes[static_cast<int>(quantity)]->slab(j) * u) *
+             w_[static_cast<std::size_t>(j)];
+    return sum;
+  }
+
+  recursive::Model<T> model_;
+  recursive::Model<Once> once_;
+  recursive::Model<Twice> twice_;
+  recursive::Workspace<T> ws_;
+  recursive::Workspace<Twice> ws_twice_;
+  recursive::SecondDerivativesWorkspace<T> room_;
+  recursive::InverseDynamicsSecondDerivatives<T> of_tau_;
+  recursive::ForwardDynamicsSecondDerivatives<T> of_qdd_;
+  LagrangeDerivativesRun<Once> lagrange_;
+  scene::State<T> state_;
+  std::vector<T> u_, w_;
+  bool is_swept_ = false;
+  std::map<std::pair<SecondDerivative, SecondRoad>, Said> said_;
+};
+
+}  // namespace dynwitness::crosscheck
