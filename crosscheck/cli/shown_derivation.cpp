@@ -205,7 +205,11 @@ symbolic::Style styleOf(const std::string& format) {
 std::string derivationDocument(const scene::Scene& scene, const symbolic::Derivation& shown,
                                symbolic::Style style, const DocumentParts& parts) {
   const std::string body = symbolic::print(shown, style, parts.checks);
-  if (style == symbolic::Style::kText) return body;
+  if (style == symbolic::Style::kText) {
+    if (!parts.mechanism) return body;
+    return fmt::format("{}: {}\n{}\n{}", scene.name, scene.title, crosscheck::jointsText(scene),
+                       body);
+  }
   if (style == symbolic::Style::kMathml) return htmlPage(scene, parts.summary, body);
   const std::string mechanism =
       parts.mechanism ? latexDrawing(crosscheck::viewOf(scene)) + latexJoints(scene) : "";

@@ -32,7 +32,7 @@ struct DocumentParts {
   /// HTML: what the page is.
   std::string summary = "The equations of motion, derived from kinetic and potential energy.";
   bool checks = true;     ///< what was checked
-  bool mechanism = true;  ///< LaTeX: a drawing, and which joint each q is
+  bool mechanism = true;  ///< which joint each q is; LaTeX: and a drawing (a page has both anyway)
 };
 symbolic::Style styleOf(const std::string& format);  ///< text, latex, html
 std::string derivationDocument(const scene::Scene& scene, const symbolic::Derivation& shown,

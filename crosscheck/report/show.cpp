@@ -456,6 +456,16 @@ std::vector<std::vector<std::string>> jointCells(const scene::Scene& scene,
   return cells;
 }
 
+std::string jointsText(const scene::Scene& scene) {
+  const std::vector<std::string> columns = {"q",    "joint",  "kind", "unit",
+                                            "axis", "parent", "child"};
+  Table table{"Joints, in the order of q", {}, {}};
+  for (const std::string& name : columns) table.columns.push_back({name});
+  for (const std::vector<std::string>& cells : jointCells(scene, columns))
+    table.rows.push_back(cells);
+  return table.rows.empty() ? std::string() : textOf(table);
+}
+
 std::string showPage(const Shown& shown, const View& view, const std::string& version) {
   const Facts facts(shown);
   const scene::Scene& scene = shown.scene;

@@ -29,6 +29,8 @@ std::string showText(const Shown& shown);
 std::string showJson(const Shown& shown, const std::string& version);
 /// The table of the joints alone, as HTML; empty: none moves.
 std::string jointsHtml(const scene::Scene& scene);
+/// The same as text, the columns that say what each q is; empty: none moves.
+std::string jointsText(const scene::Scene& scene);
 /// Some columns of that table, by their names there, for other notations: one row a joint.
 std::vector<std::vector<std::string>> jointCells(const scene::Scene& scene,
                                                  const std::vector<std::string>& columns);

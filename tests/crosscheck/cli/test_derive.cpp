@@ -121,6 +121,13 @@ BOOST_AUTO_TEST_CASE(the_document_begins_with_the_mechanism) {
   BOOST_REQUIRE(first != std::string::npos);
   BOOST_TEST(picture < joints);
   BOOST_TEST(joints < first);
+  const std::string text = program.run("derive double_pendulum").out;
+  BOOST_TEST(text.rfind("double_pendulum: ", 0) == 0u, text.substr(0, 200));
+  BOOST_TEST(text.find("  q2  elbow     revolute  rad   0 1 0  upper   lower\n") <
+                 text.find("1. positions"),
+             text.substr(0, 400));
+  BOOST_TEST(program.run("derive double_pendulum --only M12").out.find("revolute") ==
+             std::string::npos);
   // who asks for a line wants that line
   BOOST_TEST(
       !has(program.run("derive double_pendulum --format latex --only M12").out, "{picture}"));
