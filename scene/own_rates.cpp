@@ -65,6 +65,13 @@ void addOnLink(const std::string& name, const Link& driven, const Rotor& rotor, 
   tree->links.push_back(lacking);
 }
 
+/// Geared to several rates.
+bool hasGyroscopicRotors(const Link& link) {
+  const auto& rotors = link.joint.rotors;
+  return std::any_of(rotors.begin(), rotors.end(),
+                     [](const Rotor& rotor) { return rotor.axis.has_value(); });
+}
+
 }  // namespace
 
 Mechanism withOwnRates(const Mechanism& mechanism) {
@@ -90,10 +97,15 @@ Mechanism withOwnRates(const Mechanism& mechanism) {
 bool hasLackingLinks(const Mechanism& mechanism) {
   const std::vector<bool> rests = resting(mechanism);
   return std::any_of(mechanism.links.begin(), mechanism.links.end(), [&](const Link& link) {
-    const auto& rotors = link.joint.rotors;
-    return link.parent >= 0 && !rests[static_cast<std::size_t>(link.parent)] &&
-           std::any_of(rotors.begin(), rotors.end(),
-                       [](const Rotor& rotor) { return rotor.axis.has_value(); });
+    return hasGyroscopicRotors(link) && !rests[static_cast<std::size_t>(link.parent)];
+  });
+}
+
+bool hasRotorsHeldAtRest(const Mechanism& mechanism) {
+  const std::vector<bool> rests = resting(mechanism);
+  return std::any_of(mechanism.links.begin(), mechanism.links.end(), [&](const Link& link) {
+    return hasGyroscopicRotors(link) && link.parent > 0 &&
+           rests[static_cast<std::size_t>(link.parent)];
   });
 }
 

@@ -21,6 +21,10 @@ Mechanism withOwnRates(const Mechanism& mechanism);
 /// Whether a link of that tree has less than no inertia.
 bool hasLackingLinks(const Mechanism& mechanism);
 
+/// Whether a gyroscopic rotor is on a link that fixed joints hold in the world: in that tree it
+/// turns in the world, and these joints do not feel it.
+bool hasRotorsHeldAtRest(const Mechanism& mechanism);
+
 /// Why there is no such tree: a gyroscopic rotor whose axis is none of the joint frame's, so that
 /// its inertia in that frame is no rational number. Empty: there is one.
 std::string hasNoTree(const Mechanism& mechanism);

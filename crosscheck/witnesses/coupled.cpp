@@ -24,6 +24,7 @@ class Summed : public OverTree {
         in_double_(mechanism_, scene::RealNumbers<double>(mechanism_)),
         with_bounds_(mechanism_, RunningErrorNumbers(mechanism_)),
         rotors_(scene.mechanism().hasGearedRotors()),
+        held_(scene::hasRotorsHeldAtRest(scene.mechanism())),
         tree_(scene.tree()) {}
 
   Witness& ofTree() const override { return *of_tree_; }
@@ -39,6 +40,11 @@ class Summed : public OverTree {
       out.emplace_back(Quantity::kMomentum,
                        "rotors geared to several rates turn in the world of the tree that it is "
                        "asked about, and have no part in the mechanism's momentum");
+    if (held_ && of_tree_->answers(Quantity::kReactions))
+      out.emplace_back(Quantity::kReactions,
+                       "a gyroscopic rotor is on a link that a fixed joint holds in the world: in "
+                       "the tree that it is asked about it turns in the world, and that joint does "
+                       "not feel it");
     if (!answers(Quantity::kQdd))
       out.emplace_back(Quantity::kQdd,
                        fmt::format("where joints follow others qdd is solved from M and tau of the "
@@ -49,6 +55,7 @@ class Summed : public OverTree {
   const std::string& name() const override { return of_tree_->name(); }
   bool answers(Quantity quantity) const override {
     if (rotors_ && quantity == Quantity::kMomentum) return false;
+    if (held_ && quantity == Quantity::kReactions) return false;
     if (quantity != Quantity::kQdd) return of_tree_->answers(quantity);
     return of_tree_->answers(Quantity::kM) && of_tree_->answers(Quantity::kTau);
   }
@@ -99,6 +106,7 @@ class Summed : public OverTree {
   Coupling<double> in_double_;
   Coupling<RunningError> with_bounds_;
   bool rotors_;  ///< geared to several rates
+  bool held_;    ///< gyroscopic ones among them on links that fixed joints hold
   Setup<RunningError> tree_;
 };
 

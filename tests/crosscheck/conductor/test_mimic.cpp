@@ -414,3 +414,43 @@ BOOST_AUTO_TEST_CASE(what_no_joint_can_follow_is_refused_by_name) {
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(rotors_geared_to_several_rates)
+
+// By hand: J = 0.5 kg m^2 turns at psi' = 2 nu_1 - nu_2 about x on a link that is fixed in the
+// world: that joint bears J psi'' = -0.5 N m more about x at nu' = (1, 3). Simbody is asked about a
+// tree in which the rotor turns in the world, so that it cannot be asked for reactions.
+BOOST_AUTO_TEST_CASE(a_joint_that_holds_the_carrier_feels_them) {
+  const auto sceneWith = [](const std::string& rotors) {
+    return fromToml(
+        "[[link]]\nname = \"base\"\n[[link]]\nname = \"post\"\nparent = "
+        "\"base\"\nmass = 1\njoint = { kind = \"fixed\" }\n[[link]]\nname = "
+        "\"arm\"\nparent = \"post\"\nmass = 2\ncom = [0.1, 0, 0]\n[link.joint]\nkind = "
+        "\"cylindrical\"\naxis = [0, 0, 1]\n" +
+        rotors);
+  };
+  const scene::Scene with = sceneWith(
+                         "rotors = [{ inertia = 0.5, ratio = [2, -1], axis = [1, 0, 0] }]\n"),
+                     without = sceneWith("");
+  scene::State<double> state;
+  state.x = {scene::jointPosition(0.3), scene::jointPosition(0.4)};
+  state.qd = {1, 2};
+  state.qdd = {1, 3};
+  state.tau = {0, 0};
+  const auto reactions = [&](const scene::Scene& scene) {
+    return newtonEulerKind().make(scene).value()->value(Quantity::kReactions, state);
+  };
+  const Eigen::MatrixXd more = reactions(with) - reactions(without);
+  BOOST_TEST(std::abs(more(3, 0) + 0.5) < 1e-14);
+  for (const int k : {0, 1, 2, 4, 5}) BOOST_TEST(more(k, 0) == 0);
+  const auto simbody = simbodyKind().make(with).value();
+  BOOST_TEST(simbody->answers(Quantity::kTau));
+  BOOST_TEST(!simbody->answers(Quantity::kReactions));
+  std::vector<std::string> reasons;
+  for (const auto& [quantity, reason] : dynamic_cast<const PartialWitness&>(*simbody).leftOut())
+    if (quantity == Quantity::kReactions) reasons.push_back(reason);
+  BOOST_REQUIRE(reasons.size() == 1u);
+  BOOST_TEST(reasons[0].find("fixed joint holds in the world") != std::string::npos, reasons[0]);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
