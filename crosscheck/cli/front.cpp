@@ -21,6 +21,7 @@
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/leaving.hpp"
 #include "crosscheck/system/own_program.hpp"
+#include "crosscheck/witnesses/engine_modules.hpp"
 #include "scene/error.hpp"
 #include "scene/nearest_name.hpp"
 
@@ -113,6 +114,8 @@ int runParsed(const CLI::App& app, const std::vector<Command>& commands,
     if (app.got_subcommand(commands[k].name)) {
       if (!runs[k]) return become(commands[k], argv);
       const int status = runs[k]();
+      for (const std::string& why : crosscheck::enginesMissing())
+        tell(fmt::format("dynwitness: a witness is left out: {}\n", why));
       requireOutputWritten();
       return status;
     }
