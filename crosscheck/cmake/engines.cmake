@@ -33,7 +33,8 @@ function(dynwitness_engine_module NAME)
   target_compile_features(${target} PRIVATE cxx_std_17)
   target_compile_options(${target} PRIVATE -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_compile_definitions(${target} PRIVATE DYNWITNESS_VERSION="${PROJECT_VERSION}")
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR} ${ARG_FOLDERS})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_include_directories(${target} SYSTEM PRIVATE ${ARG_FOLDERS})  # where others' warnings stay
   target_link_libraries(${target} PRIVATE Boost::headers Eigen3::Eigen fmt::fmt)
   foreach(library ${ARG_LINK})
     target_link_libraries(${target} PRIVATE $<LINK_ONLY:${library}>)
@@ -55,7 +56,8 @@ function(dynwitness_engine_reader FILE DEFINITION TARGET)
 endfunction()
 
 dynwitness_engine_module(simbody
-  SOURCES witnesses/simbody.cpp chart/raw_simbody.cpp chart/raw_simbody_calls.cpp LINK ${Simbody_LIBRARIES})
+  SOURCES witnesses/simbody.cpp chart/raw_simbody.cpp chart/raw_simbody_calls.cpp
+  FOLDERS ${Simbody_INCLUDE_DIR} LINK ${Simbody_LIBRARIES})
 if(DYNWITNESS_ENGINES)
   # 3.0 changed how a model is given to the parser, and the layout of M
   find_package(mujoco 2.2...<3 QUIET)
