@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Engines are modules, which programs load when a witness is asked for and not before: test_engine_modules.py PROGRAM
+"""Engines are modules, which programs load when a witness is asked for and not before:
 
-Libraries are told by the linker (readelf, nm) and, of what is running, by the loader (LD_DEBUG). Ends with 77,
-which ctest takes for skipped, where readelf or nm is missing.
+    test_engine_modules.py PROGRAM
+
+Libraries are told by the linker (readelf, nm) and, of what is running, by the loader (LD_DEBUG).
+Ends with 77, which ctest takes for skipped, where readelf or nm is missing.
 """
 import json
 import os
@@ -20,9 +22,11 @@ MODULES = sorted((PROGRAM.parents[1] / "lib" / "dynwitness").glob("engine-*.so")
 LIBRARIES = re.compile(r"lib(dart|SimTK|mujoco|orocos-kdl)|engine-")
 # it reads files as DART and MuJoCo do, by them
 READERS = "dynwitness-readers"
+LEFT_OUT = "a witness is left out: simbody: "
 # what no witness is asked for
-PLAIN = [["--version"], ["--help"], ["crosscheck", "--help"], ["check", "--help"], ["scenes"], ["show", "acrobot"],
-         ["derive", "simple_pendulum"], ["evaluate", "acrobot", "--quantity", "tau"],
+PLAIN = [["--version"], ["--help"], ["crosscheck", "--help"], ["check", "--help"], ["scenes"],
+         ["show", "acrobot"], ["derive", "simple_pendulum"],
+         ["evaluate", "acrobot", "--quantity", "tau"],
          ["sweep", "double_pendulum", "--q", "0.3,0.4", "--qd", "1,2"]]
 
 if not shutil.which("readelf") or not shutil.which("nm"):
@@ -31,8 +35,8 @@ if not shutil.which("readelf") or not shutil.which("nm"):
 
 
 def run(*words, **environment):
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True, errors="replace",
-                          env={**os.environ, "LC_ALL": "C", **environment})
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True,
+                          errors="replace", env={**os.environ, "LC_ALL": "C", **environment})
 
 
 def programs():
@@ -46,7 +50,8 @@ def linked(file):
 
 
 def names(file, which):
-    return {line.split()[0] for line in run("nm", "-D", "-f", "posix", which, file).stdout.splitlines()}
+    lines = run("nm", "-D", "-f", "posix", which, file).stdout.splitlines()
+    return {line.split()[0] for line in lines}
 
 
 def loaded(program, *words):
@@ -60,8 +65,8 @@ assert programs(), f"no programs in {PROGRAM.parent}"
 for program in programs():
     engines = {name for name in linked(program) if LIBRARIES.search(name)}
     assert program.name == READERS or not engines, f"{program.name} is linked to {engines}"
-    missing = set().union(*(names(m, "--undefined-only") for m in MODULES)) - names(program, "--defined-only")
-    missing = {name for name in missing if "10dynwitness" in name}
+    called = set().union(*(names(module, "--undefined-only") for module in MODULES))
+    missing = {name for name in called - names(program, "--defined-only") if "10dynwitness" in name}
     assert not missing, f"{program.name} has not what modules of engines call: {sorted(missing)}"
 
 for words in PLAIN:
@@ -71,14 +76,16 @@ found = loaded(PROGRAM, "version")  # asks all witnesses: that the looking can s
 assert {module.name for module in MODULES} <= found, f"dynwitness version loads {found}"
 
 with tempfile.TemporaryDirectory() as folder:
-    one = {name for name in loaded(PROGRAM, "chart", "simple_pendulum", "--witness", "simbody", "--random", "5", "-o",
-                                   folder) if name.startswith("engine-")}
+    one = loaded(PROGRAM, "chart", "simple_pendulum", "--witness", "simbody", "--random", "5", "-o",
+                 folder)
+    one = {name for name in one if name.startswith("engine-")}
     assert one == {"engine-simbody.so"}, f"dynwitness chart --witness simbody loads {one}"
 
     alone = Path(folder) / "bin" / "dynwitness"
     alone.parent.mkdir()
     shutil.copy2(PROGRAM, alone)
     module = Path(folder) / "lib" / "dynwitness" / "engine-simbody.so"
+    report_folder = Path(folder) / "report"
 
     def said(*words):
         return run(alone, *words, DYNWITNESS_DATA=str(DATA))
@@ -89,15 +96,19 @@ with tempfile.TemporaryDirectory() as folder:
         assert not simbody["present"] and reason in simbody["absent"], simbody
         answer = said("version")
         assert answer.returncode == 0 and reason in answer.stdout, answer
-        assert "a witness is left out: simbody: " in answer.stderr and reason in answer.stderr, answer
-        answer = said("crosscheck", "simple_pendulum", "--witness", "simbody", "-o", f"{folder}/report")
+        assert LEFT_OUT in answer.stderr and reason in answer.stderr, answer
+        answer = said("crosscheck", "simple_pendulum", "--witness", "simbody", "-o", report_folder)
         assert answer.returncode == 2 and reason in answer.stderr, answer
 
     expect_absent(f"its module is missing: {module}")
-    answer = said("crosscheck", "simple_pendulum", "--random", "2", "--no-charts", "--no-drift", "-o",
-                  f"{folder}/report")
-    assert answer.returncode == 0 and "a witness is left out: simbody: its module is missing" in answer.stderr, answer
-    report = json.loads((Path(folder) / "report" / "report.json").read_text())
+    # what the others agree about is not said without saying whom it is without, --quiet or not
+    for quiet in [], ["--quiet"]:
+        answer = said("crosscheck", "simple_pendulum", "--random", "2", "--no-charts", "--no-drift",
+                      "-o", report_folder, *quiet)
+        assert answer.returncode == 0, answer
+        assert LEFT_OUT + "its module is missing: " in answer.stderr, answer
+        assert "\nwithout simbody: its module is missing: " in answer.stdout, answer
+    report = json.loads((report_folder / "report.json").read_text())
     simbody = next(w for w in report["witnesses"] if w["name"] == "simbody")
     assert not simbody["present"] and "its module is missing" in simbody["absent"], simbody
     module.parent.mkdir(parents=True)
