@@ -11,6 +11,7 @@
 
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/system/processes.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::crosscheck {
@@ -133,6 +134,7 @@ ShardDone runShard(const CaseRunner& runner, const ShardOptions& options,
   const long all = head.casesOfShard();
   for (long k = options.shard - 1; k < head.cases; k += options.shards)
     out.before += has[static_cast<std::size_t>(k)] ? 1 : 0;
+  witnessKinds();  // engines are loaded once, and not by every copy
   Writer writer(&ledger, &out, all, done);
   std::vector<long> next;
   const auto run = [&] {

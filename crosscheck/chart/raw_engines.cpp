@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "crosscheck/chart/raw_simbody.hpp"
+#include "crosscheck/witnesses/engine_modules.hpp"
 #include "recursive/newton_euler.hpp"
 
 namespace dynwitness::crosscheck {
@@ -62,47 +62,17 @@ void requireSameModel(const recursive::Model<double>& model, const scene::State<
   requireSame(ours, tau, engine, "tau");
 }
 
-namespace {
-
-RawCalls rawSimbodyCalls(const recursive::Model<double>& model, Quantity quantity,
-                         const scene::State<double>& state) {
-  const auto simbody = std::make_shared<RawSimbody>(model);
-  const scene::State<double> check = stateForCheck(model, state);
-  std::vector<double> q;
-  for (const scene::JointPosition<double>& x : check.x) q.push_back(x.q);
-  simbody->inverseDynamics(q.data(), check.qd.data(), check.qdd.data());
-  requireSameModel(model, state, simbody->inModelOrder(), "simbody");
-  using State = scene::State<double>;
-  using Positions = std::vector<double>;
-  switch (quantity) {
-    case Quantity::kM:
-      return {[simbody](const State&, const Positions& q) { simbody->massMatrix(q.data()); },
-              "simbody: realize(Position), calcM; without rotors"};
-    case Quantity::kQdd:
-      return {[simbody](const State& s, const Positions& q) {
-                simbody->forwardDynamics(q.data(), s.qd.data(), s.tau.data());
-              },
-              "simbody: realize(Dynamics), calcAccelerationIgnoringConstraints; without rotors, "
-              "springs, friction, loads"};
-    default:
-      return {[simbody](const State& s, const Positions& q) {
-                simbody->inverseDynamics(q.data(), s.qd.data(), s.qdd.data());
-              },
-              "simbody: realize(Velocity), calcResidualForceIgnoringConstraints; without rotors, "
-              "springs, friction, loads"};
-  }
-}
-
-}  // namespace
-
 std::optional<RawCalls> rawCalls(const std::string& witness, const scene::Scene& scene,
                                  const recursive::Model<double>& model, Quantity quantity,
                                  const scene::State<double>& state) {
   // mujoco_principal has other numbers in the same model, which take the same calls
-  if (witness == "mujoco" || witness == "mujoco_principal")
-    return rawMujocoCalls(scene, model, quantity, state);
-  if (witness == "simbody") return rawSimbodyCalls(model, quantity, state);
-  return std::nullopt;
+  const std::string engine = witness == kMujocoPrincipal.name ? kMujoco.name : witness;
+  const auto* const make =
+      static_cast<MakeRawModel* const*>(engineSymbol(engine, "dynwitness_raw_engine"));
+  if (make == nullptr) return std::nullopt;
+  RawModel its = (*make)(scene, model, quantity, stateForCheck(model, state));
+  requireSameModel(model, state, its.tau, engine.c_str());
+  return std::move(its.calls);
 }
 
 }  // namespace dynwitness::crosscheck

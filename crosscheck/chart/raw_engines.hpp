@@ -50,9 +50,16 @@ std::optional<RawCalls> rawCalls(const std::string& witness, const scene::Scene&
                                  const recursive::Model<double>& model, Quantity quantity,
                                  const scene::State<double>& state);
 
-/// The part of rawCalls() that is built with MuJoCo; none where there is no MuJoCo.
-std::optional<RawCalls> rawMujocoCalls(const scene::Scene& scene,
-                                       const recursive::Model<double>& model, Quantity quantity,
-                                       const scene::State<double>& state);
+/// An engine's model of a scene, and what it is compared by.
+struct RawModel {
+  RawCalls calls;
+  std::vector<double> tau;  ///< at the state that it was made with
+};
+/// @param check  a state of stateForCheck()
+using MakeRawModel = RawModel(const scene::Scene& scene, const recursive::Model<double>& model,
+                              Quantity quantity, const scene::State<double>& check);
 
 }  // namespace dynwitness::crosscheck
+
+/// What modules of engines that are called raw define beside the witness (engine_modules.hpp).
+extern "C" dynwitness::crosscheck::MakeRawModel* const dynwitness_raw_engine;

@@ -2,7 +2,6 @@
 // MuJoCo called as its users call it: no witness around it, no copies.
 #pragma once
 
-#ifdef DYNWITNESS_HAS_MUJOCO
 #include <mujoco/mujoco.h>
 
 #include <cstring>
@@ -96,4 +95,3 @@ class RawMujoco {
 };
 
 }  // namespace dynwitness::crosscheck
-#endif

@@ -106,7 +106,7 @@ int mergeAll(const Arguments& arguments) {
 /// On other machines.
 int runElsewhere(const Arguments& arguments, const CampaignPlan& plan) {
   QueuedCampaign campaign;
-  campaign.program = ownProgram();  // the front would load all engines once more, to become it
+  campaign.program = ownProgram();  // the front would be started only to become it
   campaign.plan = fs::absolute(arguments.words.front()).lexically_normal();
   campaign.folder = fs::absolute(arguments.output).lexically_normal();
   campaign.processes = arguments.processes;

@@ -2,6 +2,8 @@
 #include "crosscheck/cli/crosscheck_tables.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -138,13 +140,32 @@ void printRemarks(const SceneResult& scene) {
     fmt::print("\n{}: not answerable by {}: {}", scene.name, names, reason);
 }
 
+/// What agrees is said by the others: whom the run is without, and why. A line for each reason.
+void printAbsent(const CrosscheckResult& result) {
+  std::vector<std::pair<std::string, std::string>> names_by_reason;
+  for (const WitnessInfo& witness : result.witnesses) {
+    if (witness.present) continue;
+    const std::string reason =
+        witness.absent.empty() ? "not found when dynwitness was built" : witness.absent;
+    const auto same = std::find_if(names_by_reason.begin(), names_by_reason.end(),
+                                   [&](const auto& it) { return it.first == reason; });
+    if (same == names_by_reason.end())
+      names_by_reason.emplace_back(reason, witness.name);
+    else
+      same->second += ", " + witness.name;
+  }
+  for (const auto& [reason, names] : names_by_reason) fmt::print("without {}: {}\n", names, reason);
+}
+
 }  // namespace
 
 void printResult(const CrosscheckResult& result, const std::string& page,
                  const std::map<std::string, std::string>& asked) {
-  fmt::print("{}\n{}\n\n",
+  fmt::print("{}\n{}\n",
              toned(exitStatus(result.verdict()) == 0 ? Tone::kGood : Tone::kBad, result.headline()),
              result.controlLine());
+  printAbsent(result);
+  fmt::print("\n");
   printScenes(result);
   std::size_t causes = 0;
   for (const SceneResult& scene : result.scenes) causes += causesOf(scene).size();

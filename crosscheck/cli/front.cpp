@@ -21,6 +21,7 @@
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/leaving.hpp"
 #include "crosscheck/system/own_program.hpp"
+#include "crosscheck/witnesses/engine_modules.hpp"
 #include "scene/error.hpp"
 #include "scene/nearest_name.hpp"
 
@@ -106,13 +107,30 @@ void requireKnown(const std::vector<std::string>& words, const CLI::App& app,
   }
 }
 
+/// Runs a command, and says which witnesses it would have had, even where --quiet was asked for:
+/// an engine that was built and cannot be loaded is a failure, and what agrees without it is less.
+int tellingMissingEngines(const Run& run) {
+  const auto tellMissing = [] {
+    for (const std::string& why : crosscheck::enginesMissing())
+      tellFailure(fmt::format("dynwitness: a witness is left out: {}\n", why));
+  };
+  try {
+    const int status = run();
+    tellMissing();
+    return status;
+  } catch (...) {
+    tellMissing();
+    throw;
+  }
+}
+
 /// Runs the one that was parsed, here or in its own program.
 int runParsed(const CLI::App& app, const std::vector<Command>& commands,
               const std::vector<Run>& runs, char** argv) {
   for (std::size_t k = 0; k < commands.size(); ++k)
     if (app.got_subcommand(commands[k].name)) {
       if (!runs[k]) return become(commands[k], argv);
-      const int status = runs[k]();
+      const int status = tellingMissingEngines(runs[k]);
       requireOutputWritten();
       return status;
     }

@@ -56,11 +56,13 @@ int printVersion(bool is_json) {
         {"dynwitness", environment.version},    {"commit", environment.commit},
         {"compiler", environment.compiler},     {"flags", environment.flags},
         {"witnesses", nlohmann::json::array()}, {"libraries", nlohmann::json::array()}};
-    for (const WitnessKind& kind : witnessKinds())
+    for (const WitnessKind& kind : witnessKinds()) {
       all["witnesses"].push_back({{"name", kind.info.name},
                                   {"present", kind.info.present},
                                   {"version", kind.info.version},
                                   {"method", kind.info.method}});
+      if (!kind.info.absent.empty()) all["witnesses"].back()["absent"] = kind.info.absent;
+    }
     for (const Environment::Library& library : environment.libraries)
       all["libraries"].push_back({{"name", library.name}, {"version", library.version}});
     fmt::print("{}\n", all.dump(2));
@@ -70,7 +72,8 @@ int printVersion(bool is_json) {
              environment.commit.empty() ? "" : " (" + environment.commit + ")");
   for (const WitnessKind& kind : witnessKinds())
     fmt::print("witness {:<18} {:<8} {}\n", kind.info.name,
-               kind.info.present ? kind.info.version : "absent", kind.info.method);
+               kind.info.present ? kind.info.version : "absent",
+               kind.info.absent.empty() ? kind.info.method : kind.info.absent);
   for (const Environment::Library& library : environment.libraries)
     fmt::print("library {:<18} {}\n", library.name, library.version);
   fmt::print("compiler {} {}\n", environment.compiler, environment.flags);

@@ -9,7 +9,7 @@
 # prefix, and whose installed include folder is the one below) and dynwitness_cli.
 #
 # The floors of crosscheck/ are installed as the program: as libraries they would ask every
-# user for Simbody, and nobody has wanted that so far.
+# user for all that they link, and nobody has wanted that so far.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -28,6 +28,8 @@ endforeach()
 set(programs ${DYNWITNESS_PROGRAMS})
 list(TRANSFORM programs REPLACE "(.+)" "dynwitness_\\1_program")
 install(TARGETS dynwitness_cli ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+get_property(engine_modules GLOBAL PROPERTY DYNWITNESS_ENGINE_MODULES)
+install(TARGETS ${engine_modules} LIBRARY DESTINATION lib/dynwitness)  # where programs in bin/ look
 if(reader_programs)
   install(TARGETS ${reader_programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

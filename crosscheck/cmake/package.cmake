@@ -1,5 +1,5 @@
 # A Debian package of what is installed (install.cmake): cpack --config build/CPackConfig.cmake, or
-# ./dynwitness package. Which libraries it depends on is read off the programs.
+# ./dynwitness package. Which libraries it depends on is read off the programs, and the modules of engines.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME dynwitness)
 set(CPACK_PACKAGE_CONTACT "The dynwitness authors <dynwitness@localhost>")  # a package has to have one

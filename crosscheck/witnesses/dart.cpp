@@ -16,15 +16,6 @@
 //
 // Debian's DART was compiled for plain x86-64: this file must not be compiled with -march=native,
 // which would change the alignment of Eigen's types in DART's classes.
-#include "crosscheck/witnesses/coupled.hpp"
-#include "crosscheck/witnesses/joint_friction.hpp"
-#include "crosscheck/witnesses/optional_engine.hpp"
-#include "crosscheck/witnesses/own_file.hpp"
-#include "crosscheck/witnesses/own_steps.hpp"
-#include "crosscheck/witnesses/solve_bound.hpp"
-#include "crosscheck/witnesses/witnesses.hpp"
-
-#ifdef DYNWITNESS_HAS_DART
 #include <dart/dynamics/BallJoint.hpp>
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/DegreeOfFreedom.hpp>
@@ -43,21 +34,20 @@
 #include <Eigen/Cholesky>
 #include <boost/math/constants/constants.hpp>
 
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/engine_modules.hpp"
 #include "crosscheck/witnesses/hushed.hpp"
+#include "crosscheck/witnesses/joint_friction.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/own_file.hpp"
+#include "crosscheck/witnesses/own_steps.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "scene/inertia_need.hpp"
 #include "scene/numbers.hpp"
-#endif
 
 namespace dynwitness::crosscheck {
 namespace {
-
-constexpr const char* kName = "dart";
-constexpr const char* kMethod =
-    "DART reads the URDF, and gets its own free, ball, ... joints; articulated bodies in link "
-    "axes; rotors as bodies of their own";
-
-#ifdef DYNWITNESS_HAS_DART
 
 using dart::dynamics::BodyNode;
 using dart::dynamics::DegreeOfFreedom;
@@ -455,7 +445,7 @@ class DartWitness : public Witness, public FileReader, public OwnSteps {
     throw std::logic_error("dart: unknown quantity");
   }
 
-  std::string name_ = kName;
+  std::string name_ = kDart.name;
   JointFriction friction_;
   EngineBound bound_;
   bool own_file_ = false, has_inverse_ = true;
@@ -495,24 +485,17 @@ constexpr const char* kConventions =
     "1681, open in 6.12.1)\n"
     "known loss: none";
 
-WitnessKind kind() {
+std::vector<WitnessKind> kinds() {
   WitnessInfo info;
-  info.name = kName;
+  info.name = kDart.name;
   info.version = DART_VERSION;
-  info.method = kMethod;
+  info.method = kDart.method;
   info.conventions = kConventions;
-  return overTree(engineKind<DartWitness>(info));
+  return {overTree(engineKind<DartWitness>(info))};
 }
-#else
-WitnessKind kind() {
-  return absentKind(kName, kMethod);
-}
-#endif
 
 }  // namespace
-
-WitnessKind dartKind() {
-  return kind();
-}
-
 }  // namespace dynwitness::crosscheck
+
+const dynwitness::crosscheck::EngineModule dynwitness_engine = {
+    DYNWITNESS_VERSION, dynwitness::crosscheck::kinds, nullptr, nullptr, nullptr};

@@ -22,6 +22,7 @@
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/outside_claims.hpp"
 #include "crosscheck/witnesses/outside_judge.hpp"
+#include "crosscheck/witnesses/witness_names.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -312,13 +313,8 @@ bool isName(const std::string& text) {
 std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, const Limits& limits,
                                      const scene::Scene& scene) {
   std::vector<WitnessKind> kinds;
-  // once a process: to list the kernel among them a program is compiled
-  static const std::vector<std::string> ours = [] {
-    std::vector<std::string> names = {"table", "control"};
-    for (const WitnessKind& kind : witnessKinds()) names.push_back(kind.info.name);
-    return names;
-  }();
-  std::vector<std::string> taken = ours;
+  std::vector<std::string> taken = witnessNames();
+  taken.insert(taken.end(), {"table", "control"});
   for (std::size_t k = 0; k < commands.size(); ++k) {
     const std::string& command = commands[k];
     WitnessInfo info;

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orocos KDL as a witness. The tree is built from KDL's own joints, frames and inertias; rows of
 // Denavit-Hartenberg parameters go through KDL's own functions for them.
-#include "crosscheck/witnesses/coupled.hpp"
-#include "crosscheck/witnesses/joint_friction.hpp"
-#include "crosscheck/witnesses/optional_engine.hpp"
-#include "crosscheck/witnesses/solve_bound.hpp"
-#include "crosscheck/witnesses/witnesses.hpp"
-
-#ifdef DYNWITNESS_HAS_KDL
 #include <kdl/config.h>
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainfdsolver_recursive_newton_euler.hpp>
@@ -21,19 +14,16 @@
 
 #include <Eigen/Cholesky>
 
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/engine_modules.hpp"
+#include "crosscheck/witnesses/joint_friction.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "scene/numbers.hpp"
-#endif
 
 namespace dynwitness::crosscheck {
 namespace {
-
-constexpr const char* kName = "kdl";
-constexpr const char* kMethod =
-    "Orocos KDL: recursive Newton-Euler over the tree; on chains M by composite bodies, qdd by its "
-    "chain solver";
-
-#ifdef DYNWITNESS_HAS_KDL
 
 using scene::RealNumbers;
 
@@ -327,7 +317,7 @@ class KdlWitness : public Witness {
     throw std::logic_error("kdl: unknown quantity");
   }
 
-  std::string name_ = kName;
+  std::string name_ = kKdl.name;
   JointFriction friction_;
   EngineBound bound_;
   SolveBound solve_bound_;
@@ -365,24 +355,17 @@ constexpr const char* kConventions =
     "summed here over its frames, jacobians and inertias\n"
     "known loss: none";
 
-WitnessKind kind() {
+std::vector<WitnessKind> kinds() {
   WitnessInfo info;
-  info.name = kName;
+  info.name = kKdl.name;
   info.version = KDL_VERSION_STRING;
-  info.method = kMethod;
+  info.method = kKdl.method;
   info.conventions = kConventions;
-  return overTree(engineKind<KdlWitness>(info));
+  return {overTree(engineKind<KdlWitness>(info))};
 }
-#else
-WitnessKind kind() {
-  return absentKind(kName, kMethod);
-}
-#endif
 
 }  // namespace
-
-WitnessKind kdlKind() {
-  return kind();
-}
-
 }  // namespace dynwitness::crosscheck
+
+const dynwitness::crosscheck::EngineModule dynwitness_engine = {
+    DYNWITNESS_VERSION, dynwitness::crosscheck::kinds, nullptr, nullptr, nullptr};

@@ -12,16 +12,6 @@
 //                     products do to the answer, found by our sweeps;
 //   mujoco_principal  gets them with the axes turned before, which is the remedy: its compiler then
 //                     has nothing to turn.
-#include "crosscheck/witnesses/coupled.hpp"
-#include "crosscheck/witnesses/joint_friction.hpp"
-#include "crosscheck/witnesses/mechanism_roads.hpp"
-#include "crosscheck/witnesses/optional_engine.hpp"
-#include "crosscheck/witnesses/own_file.hpp"
-#include "crosscheck/witnesses/own_steps.hpp"
-#include "crosscheck/witnesses/solve_bound.hpp"
-#include "crosscheck/witnesses/witnesses.hpp"
-
-#ifdef DYNWITNESS_HAS_MUJOCO
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -34,31 +24,32 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/dense_equations.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/engine_modules.hpp"
+#include "crosscheck/witnesses/joint_friction.hpp"
+#include "crosscheck/witnesses/mechanism_roads.hpp"
 #include "crosscheck/witnesses/mjcf.hpp"
 #include "crosscheck/witnesses/mujoco_closures.hpp"
 #include "crosscheck/witnesses/mujoco_model.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/outside_claims.hpp"
+#include "crosscheck/witnesses/own_file.hpp"
+#include "crosscheck/witnesses/own_steps.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/told_numbers.hpp"
-#endif
+#include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
 enum class Inertias { kAsWritten, kPrincipal };
 
-const char* nameOf(Inertias inertias) {
-  return inertias == Inertias::kAsWritten ? "mujoco" : "mujoco_principal";
+const EngineWords& wordsOf(Inertias inertias) {
+  return inertias == Inertias::kAsWritten ? kMujoco : kMujocoPrincipal;
 }
-const char* methodOf(Inertias inertias) {
-  return inertias == Inertias::kAsWritten
-             ? "MuJoCo reads URDF or MJCF; M by composite bodies in world axes, qdd from M = L'DL"
-             : "MuJoCo, the inertias turned into their principal axes before";
-}
-
-#ifdef DYNWITNESS_HAS_MUJOCO
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -206,7 +197,7 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
   MujocoWitness(const PreparedScene& prepared, Inertias inertias,
                 std::optional<MujocoClosures> closures)
       : closures_(std::move(closures)),
-        name_(nameOf(inertias)),
+        name_(wordsOf(inertias).name),
         friction_(prepared.mechanism()),
         bound_(prepared, kQuaternion),
         solve_bound_(prepared, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
@@ -856,9 +847,9 @@ std::string conventions(Inertias inertias) {
 
 WitnessKind kind(Inertias inertias) {
   WitnessInfo info;
-  info.name = nameOf(inertias);
+  info.name = wordsOf(inertias).name;
   info.version = mj_versionString();
-  info.method = methodOf(inertias);
+  info.method = wordsOf(inertias).method;
   info.conventions = conventions(inertias);
   return overTree(engineKind<MujocoWitness>(info, inertias));
 }
@@ -919,28 +910,19 @@ class MechanismOfMujoco {
   std::vector<Follower> followers_;
   std::vector<int> rate_of_tree_;  ///< by rate of the mechanism
 };
-#else
-WitnessKind kind(Inertias inertias) {
-  return absentKind(nameOf(inertias), methodOf(inertias));
-}
-#endif
 
-}  // namespace
-
-MujocoMechanism mujocoMechanism(const PreparedScene& scene) {
-#ifdef DYNWITNESS_HAS_MUJOCO
+MujocoMechanism mechanismOf(const PreparedScene& scene) {
   const auto mechanism = std::make_shared<MechanismOfMujoco>(scene);
   return [mechanism](const scene::State<double>& state) { return (*mechanism)(state); };
-#else
-  throw std::invalid_argument(mujocoKind().make(scene).refusal());
-#endif
 }
 
-WitnessKind mujocoKind() {
-  return kind(Inertias::kAsWritten);
-}
-WitnessKind mujocoPrincipalKind() {
-  return kind(Inertias::kPrincipal);
+std::vector<WitnessKind> kinds() {
+  return {kind(Inertias::kAsWritten), kind(Inertias::kPrincipal)};
 }
 
+}  // namespace
 }  // namespace dynwitness::crosscheck
+
+const dynwitness::crosscheck::EngineModule dynwitness_engine = {
+    DYNWITNESS_VERSION, dynwitness::crosscheck::kinds, nullptr, nullptr,
+    dynwitness::crosscheck::mechanismOf};

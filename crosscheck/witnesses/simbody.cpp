@@ -13,13 +13,13 @@
 
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/engine_modules.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/mechanism_roads.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/outside_claims.hpp"
 #include "crosscheck/witnesses/own_steps.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
-#include "crosscheck/witnesses/witnesses.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "scene/numbers.hpp"
 
@@ -806,10 +806,7 @@ std::string simbodyVersion() {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(build);
 }
 
-}  // namespace
-
-Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
-                                           const scene::State<double>& state) {
+Eigen::VectorXd closedAccelerations(const scene::Scene& scene, const scene::State<double>& state) {
   scene::requireNoMimics({scene.file.string(), 0}, scene.mechanism,
                          "Simbody's closed system has none");
   if (hasRotors(scene.mechanism))
@@ -817,20 +814,25 @@ Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
   return SimbodyWitness(scene, SimbodyWitness::Build::kClosed).value(Quantity::kQdd, state);
 }
 
-SimbodyMechanism simbodyMechanism(const PreparedScene& scene) {
+SimbodyMechanism mechanismOf(const PreparedScene& scene) {
   scene::requireNoMimics({scene.scene().file.string(), 0}, scene.mechanism(),
                          "Simbody's closed system has none");
   const auto closed = std::make_shared<SimbodyWitness>(scene, SimbodyWitness::Build::kClosed);
   return [closed](const scene::State<double>& state) { return closed->mechanism(state); };
 }
 
-WitnessKind simbodyKind() {
+std::vector<WitnessKind> kinds() {
   WitnessInfo info;
-  info.name = "simbody";
+  info.name = kSimbody.name;
   info.version = simbodyVersion();
-  info.method = "Simbody; rotors as bodies of their own";
+  info.method = kSimbody.method;
   info.conventions = kConventions;
-  return overTree(engineKind<SimbodyWitness>(info));
+  return {overTree(engineKind<SimbodyWitness>(info))};
 }
 
+}  // namespace
 }  // namespace dynwitness::crosscheck
+
+const dynwitness::crosscheck::EngineModule dynwitness_engine = {
+    DYNWITNESS_VERSION, dynwitness::crosscheck::kinds, dynwitness::crosscheck::mechanismOf,
+    dynwitness::crosscheck::closedAccelerations, nullptr};

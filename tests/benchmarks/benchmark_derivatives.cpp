@@ -4,7 +4,6 @@
 // and MuJoCo's differences of a step, in one run on the same states.
 #include <fmt/format.h>
 
-#include "crosscheck/chart/raw_mujoco.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/scalars/moving_state.hpp"
@@ -18,6 +17,9 @@
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
 #include "tests/fixtures/lanes/many_derivatives.hpp"
+#ifdef DYNWITNESS_HAS_MUJOCO
+#include "crosscheck/chart/raw_mujoco.hpp"
+#endif
 
 namespace dynwitness::benchmarks {
 namespace {

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "crosscheck/chart/raw_engines.hpp"
-#include "crosscheck/chart/raw_mujoco.hpp"
 #include "crosscheck/chart/raw_simbody.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/many_states.hpp"
@@ -25,6 +24,9 @@
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
 #include "tests/fixtures/lanes/many_steps.hpp"
+#ifdef DYNWITNESS_HAS_MUJOCO
+#include "crosscheck/chart/raw_mujoco.hpp"
+#endif
 
 namespace dynwitness::benchmarks {
 namespace {

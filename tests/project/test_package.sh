@@ -18,7 +18,9 @@ cpack --config "$build/CPackConfig.cmake" -B "$work/package" -D CPACK_OUTPUT_FIL
 package=$(compgen -G "$work/package/dynwitness_*.deb") || fail "cpack wrote $(ls "$work/package")"
 [[ $(wc -w <<<"$package") == 1 ]] || fail "more than one package: $package"
 dpkg-deb --info "$package" >"$work/info"
-grep -q '^ Depends: .*libginac' "$work/info" || fail "the package does not say what it needs: $(<"$work/info")"
+for library in libginac libsimbody; do  # of programs, and of modules
+  grep -q "^ Depends: .*$library" "$work/info" || fail "the package does not say what it needs: $(<"$work/info")"
+done
 dpkg-deb --extract "$package" "$work/root"
 
 # its own data, not that of the sources it was built of
@@ -31,6 +33,8 @@ grep -q "root/usr/share/dynwitness/scenes/double_pendulum.toml" "$work/out" || f
 run crosscheck simple_pendulum --random 5 --no-charts --no-drift -o "$work/report" >"$work/out" 2>&1 ||
   fail "a crosscheck by the packaged program: $(<"$work/out")"
 run sweep acrobot >/dev/null || fail 'a command that is in another program'
+run version >"$work/out" || fail 'dynwitness version'
+grep -q '^witness simbody  *[0-9]' "$work/out" || fail "the module of an engine is not found: $(<"$work/out")"
 
 if command -v python3 >/dev/null; then
   [[ -s $work/root/usr/share/man/man1/dynwitness.1.gz || -s $work/root/usr/share/man/man1/dynwitness.1 ]] || fail 'no man page'

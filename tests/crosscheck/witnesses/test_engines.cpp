@@ -6,6 +6,8 @@
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
@@ -14,6 +16,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/witnesses/witness_names.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace data = boost::unit_test::data;
@@ -228,6 +231,13 @@ BOOST_AUTO_TEST_CASE(an_engine_that_cannot_hold_a_scene_says_why) {
       BOOST_TEST((check.verdict == Verdict::kNotAnswerable), textOf(check));
       BOOST_TEST(check.reason.find("'world'") != std::string::npos, textOf(check));
     }
+}
+
+// Names are told without loading engines, so that they stand in a list of their own.
+BOOST_AUTO_TEST_CASE(witnesses_are_listed_by_the_names_that_they_have) {
+  std::vector<std::string> names;
+  for (const WitnessKind& kind : witnessKinds()) names.push_back(kind.info.name);
+  BOOST_TEST(witnessNames() == names, boost::test_tools::per_element());
 }
 
 BOOST_AUTO_TEST_CASE(an_absent_engine_says_that_it_is_absent) {
