@@ -323,9 +323,10 @@ class OutermostAxis {
     A gyroscopic rotor: beyond the joint of o, F, G and W as (14) of the first derivatives has them.
     Loads in world axes turn back once more. Springs, viscous friction and rotors are linear.
 
-    @param out   made for this model: what is zero by nature stays what it was made with, and is most
-                 of it where a tree has many branches; room.of_tau has the first derivatives
-    @throws std::invalid_argument  a vector is not of length n, or a rotor is geared to several rates
+    @param out   made for this model: what is zero by nature stays what it was made with, and is
+      most of it where a tree has many branches; room.of_tau has the first derivatives
+    @throws std::invalid_argument  a vector is not of length n, or a rotor is geared to several
+      rates
     @see S. Singh, R. Russell, P. Wensing, On Second-Order Derivatives of Rigid-Body Dynamics:
       Theory and Implementation, IEEE T-RO 40 (2024), for the same triples by other formulas */
 template <typename T>

@@ -8,7 +8,8 @@
 
 namespace dynwitness::crosscheck {
 
-/// Every pair of laws/second_derivative_roads.hpp. @param derived  what Lagrange's side goes on from
+/// Every pair of laws/second_derivative_roads.hpp.
+/// @param derived  what Lagrange's side goes on from
 std::vector<CheckResult> checkSecondDerivativesExactly(const scene::Scene& scene,
                                                        const ExactOptions& options,
                                                        const DerivedPrograms& derived);

@@ -16,15 +16,17 @@
 #include "crosscheck/witnesses/lagrange_derivatives.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
+#include "recursive/factorization.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/second_derivatives.hpp"
 
 namespace dynwitness::crosscheck {
 
 /** Who differentiates twice:
-      lagrange      T and V once more (LagrangeDerivatives), those on dual numbers; of tau
-      dual_numbers  the sweeps on dual numbers of dual numbers: Newton and Euler for tau, articulated
-                    bodies for qdd
+      lagrange      T and V once more (LagrangeDerivatives), those on dual numbers; for qdd its own
+                    M solved with
+      dual_numbers  the sweeps on dual numbers of dual numbers: Newton and Euler for tau,
+                    articulated bodies for qdd
       derivatives   the sweep of recursive/second_derivatives.hpp
     The first two along a first direction w, then a second u; the last has every entry. */
 enum class SecondRoad { kLagrange, kDualNumbers, kSweep };
@@ -43,11 +45,10 @@ inline std::vector<SecondPair> secondPairs(const scene::Mechanism& mechanism) {
   std::vector<SecondPair> pairs;
   for (std::size_t k = 0; k < kSecondDerivativeNames.size(); ++k) {
     const auto quantity = static_cast<SecondDerivative>(k);
-    if (isOfForces(quantity)) {
-      pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kDualNumbers});
-      if (has_sweep) pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kSweep});
-    }
-    if (has_sweep) pairs.push_back({quantity, SecondRoad::kDualNumbers, SecondRoad::kSweep});
+    pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kDualNumbers});
+    if (!has_sweep) continue;
+    pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kSweep});
+    pairs.push_back({quantity, SecondRoad::kDualNumbers, SecondRoad::kSweep});
   }
   return pairs;
 }
@@ -147,15 +148,34 @@ class SecondDerivativeRoads {
     return said_[{quantity, road}] = std::move(said);
   }
 
-  /// The first derivatives along u, three columns, of the state as it moves along w.
+  static MatrixX<T> derivativeOf(const MatrixX<Once>& m) {
+    return m.unaryExpr([](const Once& x) { return x.derivative; });
+  }
+  /// What its first derivatives say along u, as the state moves along w. Those of qdd solve M x =
+  /// -(dtau/dy) u, or u, where qdd moves as well, by what that says along w.
   MatrixX<T> byLagrange(SecondDerivative quantity) {
     const Parts parts = partsOf(quantity);
     scene::State<Once> moved = moving(model_, state_, along(parts.first, w_));
-    moved.tau.assign(u_.begin(), u_.end());
-    const MatrixX<Once> columns = lagrange_.ofForces(moved);
-    return columns.col(static_cast<int>(parts.second)).unaryExpr([](const Once& x) {
-      return x.derivative;
-    });
+    const auto columnAlong = [&](Part part, const std::vector<T>& direction) {
+      moved.tau.assign(direction.begin(), direction.end());
+      return MatrixX<Once>(lagrange_.ofForces(moved).col(static_cast<int>(part)));
+    };
+    if (isOfForces(quantity)) return derivativeOf(columnAlong(parts.second, u_));
+    MatrixX<Once> M = lagrange_.M(moved);
+    recursive::factorize(M);
+    const auto solved = [&](MatrixX<Once> b) {
+      Eigen::Ref<Eigen::Matrix<Once, Eigen::Dynamic, 1>> column = b.col(0);
+      recursive::solve(M, column);
+      return b;
+    };
+    const MatrixX<Once> qdd_rate = solved(-columnAlong(parts.first, w_));
+    for (std::size_t i = 0; i < moved.qdd.size(); ++i)
+      moved.qdd[i].derivative = qdd_rate(static_cast<Eigen::Index>(i), 0).value;
+    if (parts.second != Part::kTau) return derivativeOf(solved(-columnAlong(parts.second, u_)));
+    return derivativeOf(
+        solved(Eigen::Map<const MatrixX<T>>(u_.data(), model_.dof(), 1).unaryExpr([](const T& x) {
+          return Once(x);
+        })));
   }
   MatrixX<T> byDuals(SecondDerivative quantity) {
     const Parts parts = partsOf(quantity);

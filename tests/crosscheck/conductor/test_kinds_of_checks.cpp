@@ -19,6 +19,7 @@
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/exact/regressor_checks.hpp"
+#include "crosscheck/exact/second_derivative_checks.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/laws/compiled_identities.hpp"
 #include "crosscheck/laws/point_laws.hpp"
@@ -28,6 +29,7 @@
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/check_mechanism.hpp"
 #include "crosscheck/verdicts/check_reading.hpp"
+#include "crosscheck/verdicts/check_second_derivatives.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/digits.hpp"
 #include "crosscheck/verdicts/identity_tallies.hpp"
@@ -202,6 +204,8 @@ std::set<std::string> redByOtherDerivatives() {
     const PreparedScene answering(*wrong);
     add(kinds, red(checkDerivativesExactly(scene, {}, &wrong->mechanism)));
     add(kinds, red(checkDerivatives(scene, few(1), &answering)));
+    add(kinds, red(checkSecondDerivativesExactly(scene, {}, &wrong->mechanism)));
+    add(kinds, red(checkSecondDerivatives(scene, few(1), &answering)));
   }
   return kinds;
 }

@@ -28,7 +28,7 @@ BOOST_DATA_TEST_CASE(every_road_says_the_same,
   const scene::Scene scene = scene::findScene(name);
   const std::vector<CheckResult> checks = checkSecondDerivativesExactly(scene, {});
   const bool has_sweep = whyNoSecondSweep(scene.mechanism).empty();
-  BOOST_TEST(checks.size() == (has_sweep ? 16u : 4u));
+  BOOST_TEST(checks.size() == (has_sweep ? 24u : 8u));
   for (const CheckResult& check : checks) {
     BOOST_TEST((check.verdict == Verdict::kAgree), check.statement << ": " << check.reason);
     BOOST_TEST(check.exact->error_probability < 1e-18);
@@ -53,7 +53,7 @@ BOOST_AUTO_TEST_CASE(another_lagrangian_stands_alone) {
     BOOST_TEST((check.verdict == Verdict::kDisagree) == (check.left == "lagrange"),
                check.statement);
   const std::vector<Finding> findings = findOutliers(scene.name, checks);
-  BOOST_TEST(findings.size() == 4u);
+  BOOST_TEST(findings.size() == 8u);
   for (const Finding& finding : findings) BOOST_TEST(finding.witness == "lagrange");
 }
 
