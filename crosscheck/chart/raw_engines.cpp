@@ -43,15 +43,21 @@ void requireSame(const std::vector<double>& ours, const std::vector<double>& its
                     engine, quantity, difference, largest));
 }
 
-void requireSameModel(const recursive::Model<double>& model, const scene::State<double>& state,
-                      const std::vector<double>& tau, const char* engine) {
+recursive::Model<double> bareModel(const recursive::Model<double>& model, bool with_rotors) {
   recursive::Model<double> bare = model;
   for (recursive::LinkModel<double>& link : bare.links) {
-    link.rotor = link.spin = link.stiffness = link.viscous = link.positive = link.negative = 0;
+    link.spin = link.stiffness = link.viscous = link.positive = link.negative = 0;
+    if (!with_rotors) link.rotor = 0;
     link.load = recursive::Force<double>::zero();
   }
   bare.world_loads.clear();
   bare.friction = bare.gyroscopic = false;
+  return bare;
+}
+
+void requireSameModel(const recursive::Model<double>& model, const scene::State<double>& state,
+                      const std::vector<double>& tau, const char* engine) {
+  const recursive::Model<double> bare = bareModel(model, false);
   recursive::Workspace<double> workspace(bare);
   const scene::State<double> s = stateForCheck(model, state);
   std::vector<scene::JointPosition<double>> x;

@@ -29,8 +29,9 @@ class RawSimbody {
   const double* results() const;
   std::vector<double> inModelOrder() const;  ///< of tau or qdd
 
+  struct Parts;  // for its steps, too
+
  private:
-  struct Parts;
   std::unique_ptr<Parts> parts_;
 };
 

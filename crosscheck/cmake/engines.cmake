@@ -42,6 +42,7 @@ if(DYNWITNESS_ENGINES)
       INTERFACE_LINK_LIBRARIES ${DART_LIBRARY})
     dynwitness_engine(witnesses dart.cpp DYNWITNESS_HAS_DART dart-utils-urdf)
     dynwitness_engine(readers dart_reader.cpp DYNWITNESS_HAS_DART dart-utils-urdf)
+    dynwitness_engine(chart raw_dart.cpp DYNWITNESS_HAS_DART dart-utils-urdf)
   endif()
 
   pkg_check_modules(KDL QUIET IMPORTED_TARGET orocos-kdl>=1.5)

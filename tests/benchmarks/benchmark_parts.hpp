@@ -26,11 +26,13 @@ constexpr int kStates = 1000;  ///< that a benchmark cycles through
 constexpr std::uint64_t kSeed = 1;
 constexpr const char* kStatesCounter = "states";
 constexpr const char* kScenes[] = {"franka_panda", "humanoid", "humanoid_floating"};
+constexpr const char* kClosedScenes[] = {"andrews_squeezer", "humanoid_both_feet"};
 
 /// Each adds its benchmarks to google-benchmark's list, and what the table must know of them to the
 /// result: contenders, and what is left out here.
 void registerMachine();                                     ///< machine/operation, ...
 void registerSweeps(crosscheck::BenchResult* result);       ///< SCENE/ID, M, FD/...
+void registerSteps(crosscheck::BenchResult* result);        ///< SCENE/step, RK4 step/...
 void registerDerivatives(crosscheck::BenchResult* result);  ///< SCENE/dtau, dqdd/...
 void registerDerivations(crosscheck::BenchResult* result);  ///< SCENE/derivation/...
 void registerStarts(crosscheck::BenchResult* result);       ///< making, crosscheck, counts
@@ -66,5 +68,7 @@ struct Rows {
 void addContender(crosscheck::BenchResult* result, const crosscheck::Contender& contender);
 
 std::string fastLanesLabel();  ///< of the contender fast_lanes
+/// Of an engine; empty where it was not found when this was built.
+std::string versionOf(const char* witness);
 
 }  // namespace dynwitness::benchmarks

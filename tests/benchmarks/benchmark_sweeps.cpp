@@ -24,7 +24,6 @@
 #include "tests/benchmarks/benchmark_kernels.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
-#include "tests/fixtures/lanes/many_steps.hpp"
 
 namespace dynwitness::benchmarks {
 namespace {
@@ -252,21 +251,6 @@ void packedMany(benchmark::State& run, const std::string& scene) {
   run.counters[kStatesCounter] = kStates;
 }
 
-/// Steps from all states: of no length, so that they stay what they are.
-void stepMany(benchmark::State& run, const std::string& scene,
-              recursive::fast::Integrator integrator) {
-  Arm arm(scene);
-  Rows rows = rowsOf(arm, Formula::kForwardDynamics);
-  recursive::fast::ManySteps many(arm.setup.model);
-  for (auto _ : run) {
-    many.step(kStates, integrator, 0, 1, {rows.q.data(), rows.nq}, {rows.qd.data(), rows.n},
-              rows.given());
-    benchmark::DoNotOptimize(rows.q.data());
-    benchmark::ClobberMemory();
-  }
-  run.counters[kStatesCounter] = kStates;
-}
-
 /// All states in one call, component by component. In several threads each has its own states.
 void kernelMany(benchmark::State& run, const std::string& scene, Formula formula,
                 const KernelCompiler& compiler) {
@@ -349,12 +333,6 @@ void simbodyRaw(benchmark::State& run, const std::string& scene, Formula formula
 
 // ---- who takes part -----------------------------------------------------------------------------
 
-std::string versionOf(const char* witness) {
-  for (const WitnessKind& kind : witnessKinds())
-    if (kind.info.name == witness) return kind.info.version;
-  return "";
-}
-
 constexpr Formula kFormulas[] = {Formula::kInverseDynamics, Formula::kMassMatrix,
                                  Formula::kForwardDynamics};
 Quantity quantityOf(Formula formula) {
@@ -402,6 +380,12 @@ Rows::Rows(const recursive::Model<double>& model, const std::vector<scene::State
     w.insert(w.end(), third.begin(), third.end());
   }
   out.resize(static_cast<std::size_t>(matrices * n * n) * kStates);
+}
+
+std::string versionOf(const char* witness) {
+  for (const WitnessKind& kind : witnessKinds())
+    if (kind.info.name == witness) return kind.info.version;
+  return "";
 }
 
 std::string fastLanesLabel() {
@@ -459,17 +443,9 @@ void registerSweeps(BenchResult* result) {
        add(result, {"fast_all_cores", fmt::format("the same on {} cores, {}", cores, own), true},
            fastOnCores, cores))
     b->UseRealTime();
-  for (const char* scene : kScenes) {
-    using recursive::fast::Integrator;
-    for (const auto& [what, integrator] : {std::pair("step", Integrator::kSemiImplicitEuler),
-                                           {"RK4 step", Integrator::kRungeKutta4}})
-      benchmark::RegisterBenchmark(fmt::format("{}/{}/fast_lanes", scene, what).c_str(),
-                                   [=, integrator = integrator](benchmark::State& run) {
-                                     stepMany(run, scene, integrator);
-                                   });
+  for (const char* scene : kScenes)
     benchmark::RegisterBenchmark(fmt::format("{}/packed M/fast_lanes", scene).c_str(),
                                  [=](benchmark::State& run) { packedMany(run, scene); });
-  }
 #ifdef DYNWITNESS_SECOND_COMPILER
   add(result, {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true},
       [](benchmark::State& run, const std::string& scene, Formula f) {
