@@ -43,15 +43,21 @@ void requireSame(const std::vector<double>& ours, const std::vector<double>& its
                     engine, quantity, difference, largest));
 }
 
-void requireSameModel(const recursive::Model<double>& model, const scene::State<double>& state,
-                      const std::vector<double>& tau, const char* engine) {
+recursive::Model<double> bareModel(const recursive::Model<double>& model, bool with_rotors) {
   recursive::Model<double> bare = model;
   for (recursive::LinkModel<double>& link : bare.links) {
-    link.rotor = link.spin = link.stiffness = link.viscous = link.positive = link.negative = 0;
+    link.spin = link.stiffness = link.viscous = link.positive = link.negative = 0;
+    if (!with_rotors) link.rotor = 0;
     link.load = recursive::Force<double>::zero();
   }
   bare.world_loads.clear();
   bare.friction = bare.gyroscopic = false;
+  return bare;
+}
+
+void requireSameModel(const recursive::Model<double>& model, const scene::State<double>& state,
+                      const std::vector<double>& tau, const char* engine) {
+  const recursive::Model<double> bare = bareModel(model, false);
   recursive::Workspace<double> workspace(bare);
   const scene::State<double> s = stateForCheck(model, state);
   std::vector<scene::JointPosition<double>> x;
@@ -62,17 +68,33 @@ void requireSameModel(const recursive::Model<double>& model, const scene::State<
   requireSame(ours, tau, engine, "tau");
 }
 
+namespace {
+
+const RawEngine* rawEngine(const std::string& engine) {
+  return static_cast<const RawEngine*>(engineSymbol(engine, "dynwitness_raw_engine"));
+}
+
+}  // namespace
+
 std::optional<RawCalls> rawCalls(const std::string& witness, const scene::Scene& scene,
                                  const recursive::Model<double>& model, Quantity quantity,
                                  const scene::State<double>& state) {
   // mujoco_principal has other numbers in the same model, which take the same calls
   const std::string engine = witness == kMujocoPrincipal.name ? kMujoco.name : witness;
-  const auto* const make =
-      static_cast<MakeRawModel* const*>(engineSymbol(engine, "dynwitness_raw_engine"));
-  if (make == nullptr) return std::nullopt;
-  RawModel its = (*make)(scene, model, quantity, stateForCheck(model, state));
+  const RawEngine* const raw = rawEngine(engine);
+  if (raw == nullptr || raw->model == nullptr) return std::nullopt;
+  RawModel its = raw->model(scene, model, quantity, stateForCheck(model, state));
   requireSameModel(model, state, its.tau, engine.c_str());
   return std::move(its.calls);
+}
+
+std::unique_ptr<RawSteps> rawSteps(const std::string& engine, const scene::Scene& scene,
+                                   const recursive::Model<double>& model,
+                                   const recursive::Constraints<double>& closures,
+                                   const RawStep& step) {
+  const RawEngine* const raw = rawEngine(engine);
+  return raw == nullptr || raw->steps == nullptr ? nullptr
+                                                 : raw->steps(scene, model, closures, step);
 }
 
 }  // namespace dynwitness::crosscheck

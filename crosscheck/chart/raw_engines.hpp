@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@
 #include "scene/scene.hpp"
 
 namespace dynwitness::recursive {
+template <typename T>
+struct Constraints;
 template <typename T>
 struct Model;
 }  // namespace dynwitness::recursive
@@ -28,6 +31,10 @@ scene::State<double> stateForCheck(const recursive::Model<double>& model,
     @throws std::logic_error  which engine, what of it, by how much */
 void requireSame(const std::vector<double>& ours, const std::vector<double>& its,
                  const char* engine, const char* quantity);
+
+/// What engines called so hold of a model: no springs, friction and loads.
+/// @param with_rotors  on the diagonal of M
+recursive::Model<double> bareModel(const recursive::Model<double>& model, bool with_rotors);
 
 /// @param tau  of an engine at stateForCheck(), without rotors, springs and friction
 /// @throws std::logic_error  it is not the model's
@@ -59,7 +66,54 @@ struct RawModel {
 using MakeRawModel = RawModel(const scene::Scene& scene, const recursive::Model<double>& model,
                               Quantity quantity, const scene::State<double>& check);
 
+/** An engine that moves a scene by steps of its own, as its users call them: no contacts, limits,
+    springs, friction and loads. */
+class RawSteps {
+ public:
+  virtual ~RawSteps() = default;
+  /// From a state on; its tau is kept meanwhile.
+  virtual void start(const scene::State<double>& state) = 0;
+  virtual void step() = 0;
+  // now, in the order of the model: numbers a slot, and a degree of freedom
+  virtual std::vector<double> positions() const = 0;
+  virtual std::vector<double> rates() const = 0;
+
+ protected:
+  RawSteps() = default;
+  RawSteps(const RawSteps&) = default;
+  RawSteps& operator=(const RawSteps&) = default;
+};
+
+/// How an engine steps, and how long a step is [s].
+struct RawStep {
+  bool is_runge_kutta = false;  ///< the classical one of order 4; else semi-implicit Euler
+  double h = 0;
+};
+
+/// What steps are made of. @param model, closures  of the scene
+using MakeRawSteps = std::unique_ptr<RawSteps>(const scene::Scene& scene,
+                                               const recursive::Model<double>& model,
+                                               const recursive::Constraints<double>& closures,
+                                               const RawStep& step);
+
+/// What a module of an engine that is called raw has for it; null: nothing of the kind.
+struct RawEngine {
+  MakeRawModel* model;
+  MakeRawSteps* steps;
+};
+
+/** An engine's steps; null: there is no such engine here.
+      mujoco   mj_step, of the scene; closures are equality constraints, which give way a little
+      simbody  SemiExplicitEulerIntegrator, of the model
+      dart     as World::step does where nothing touches, of the model, without closures
+    @param model  bareModel(); Simbody and DART take no rotors from it
+    @throws std::invalid_argument  a joint, a closure or a method that is not there */
+std::unique_ptr<RawSteps> rawSteps(const std::string& engine, const scene::Scene& scene,
+                                   const recursive::Model<double>& model,
+                                   const recursive::Constraints<double>& closures,
+                                   const RawStep& step);
+
 }  // namespace dynwitness::crosscheck
 
 /// What modules of engines that are called raw define beside the witness (engine_modules.hpp).
-extern "C" dynwitness::crosscheck::MakeRawModel* const dynwitness_raw_engine;
+extern "C" const dynwitness::crosscheck::RawEngine dynwitness_raw_engine;

@@ -5,11 +5,11 @@
 #include <mujoco/mujoco.h>
 
 #include <cstring>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "crosscheck/witnesses/mujoco_model.hpp"
 #include "scene/numbers.hpp"
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
@@ -21,18 +21,11 @@ namespace dynwitness::crosscheck {
 /// joint the linear rates are the world's in MuJoCo and the link's in the scene: the same work.
 class RawMujoco {
  public:
-  explicit RawMujoco(const scene::Scene& scene) {
-    std::string urdf = scene::urdfForEngines(scene);
-    urdf.insert(urdf.rfind("</robot>"),
-                "<mujoco><compiler fusestatic=\"true\" inertiafromgeom=\"false\" "
-                "balanceinertia=\"true\"/></mujoco>");
-    const std::unique_ptr<mjVFS> files(new mjVFS);
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), "scene.urdf", static_cast<int>(urdf.size()));
-    std::memcpy(files->filedata[0], urdf.data(), urdf.size());
-    char error[1000] = "";
-    model_.reset(mj_loadXML("scene.urdf", files.get(), error, sizeof error));
-    mj_deleteVFS(files.get());
+  explicit RawMujoco(const scene::Scene& scene) : RawMujoco(scene, urdf(scene), "scene.urdf") {}
+  /// @param text  the scene as URDF or MJCF, in a file of that name
+  RawMujoco(const scene::Scene& scene, const std::string& text, const char* file) {
+    std::string error;
+    model_ = mujocoModelOf(text, file, &error);
     if (!model_) throw std::runtime_error(error);
     const scene::RealNumbers<double> number(scene.mechanism);
     if (model_->nv != scene.mechanism.dof()) throw std::runtime_error("other joints");
@@ -50,6 +43,8 @@ class RawMujoco {
   }
 
   int bodies() const { return model_->nbody; }
+  mjModel* model() const { return model_.get(); }
+  mjData* data() const { return data_.get(); }
 
   void inverseDynamics(const scene::State<double>& s, double* tau) {
     set(s);
@@ -83,15 +78,18 @@ class RawMujoco {
   const void* results() const { return data_->qacc; }
 
  private:
-  struct Deleter {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
+  static std::string urdf(const scene::Scene& scene) {
+    std::string text = scene::urdfForEngines(scene);
+    text.insert(text.rfind("</robot>"),
+                "<mujoco><compiler fusestatic=\"true\" inertiafromgeom=\"false\" "
+                "balanceinertia=\"true\"/></mujoco>");
+    return text;
+  }
   void set(const scene::State<double>& s) {
     for (std::size_t i = 0; i < s.x.size(); ++i) data_->qpos[i] = s.x[i].q;
   }
-  std::unique_ptr<mjModel, Deleter> model_;
-  std::unique_ptr<mjData, Deleter> data_;
+  MujocoOwned<mjModel> model_;
+  MujocoOwned<mjData> data_;
 };
 
 }  // namespace dynwitness::crosscheck

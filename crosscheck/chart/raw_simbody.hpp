@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "crosscheck/chart/raw_engines.hpp"
 #include "recursive/model.hpp"
 
 namespace dynwitness::crosscheck {
@@ -29,9 +30,16 @@ class RawSimbody {
   const double* results() const;
   std::vector<double> inModelOrder() const;  ///< of tau or qdd
 
+  struct Parts;  // for its steps, too
+
  private:
-  struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/** By SemiExplicitEulerIntegrator.
+    @throws std::invalid_argument  a joint, a closure or a method that is not there */
+std::unique_ptr<RawSteps> rawSimbodySteps(const recursive::Model<double>& model,
+                                          const recursive::Constraints<double>& closures,
+                                          const RawStep& step);
 
 }  // namespace dynwitness::crosscheck

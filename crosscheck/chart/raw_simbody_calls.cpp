@@ -39,8 +39,14 @@ RawModel rawModel(const scene::Scene&, const recursive::Model<double>& model, Qu
   }
 }
 
+std::unique_ptr<RawSteps> makeSteps(const scene::Scene&, const recursive::Model<double>& model,
+                                    const recursive::Constraints<double>& closures,
+                                    const RawStep& step) {
+  return rawSimbodySteps(model, closures, step);
+}
+
 }  // namespace
 }  // namespace dynwitness::crosscheck
 
-dynwitness::crosscheck::MakeRawModel* const dynwitness_raw_engine =
-    &dynwitness::crosscheck::rawModel;
+const dynwitness::crosscheck::RawEngine dynwitness_raw_engine = {
+    &dynwitness::crosscheck::rawModel, &dynwitness::crosscheck::makeSteps};

@@ -80,7 +80,8 @@ if(DYNWITNESS_ENGINES)
       INTERFACE_INCLUDE_DIRECTORIES ${DART_FOLDER}
       INTERFACE_LINK_LIBRARIES ${DART_LIBRARY})
     dynwitness_engine_folders(folders dart-utils-urdf)
-    dynwitness_engine_module(dart SOURCES witnesses/dart.cpp FOLDERS ${folders} LINK dart-utils-urdf)
+    dynwitness_engine_module(dart SOURCES witnesses/dart.cpp chart/raw_dart.cpp
+      FOLDERS ${folders} LINK dart-utils-urdf)
     dynwitness_engine_reader(dart_reader.cpp DYNWITNESS_HAS_DART dart-utils-urdf)
   endif()
 

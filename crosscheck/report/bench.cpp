@@ -172,6 +172,9 @@ void requireConsistent(const Json& read, const BenchResult& result) {
 bool Measurement::isTime() const {
   return unit == "ns" && std::find(std::begin(kTimed), std::end(kTimed), what) != std::end(kTimed);
 }
+bool Measurement::isStep() const {
+  return unit == "ns" && std::find(std::begin(kSteps), std::end(kSteps), what) != std::end(kSteps);
+}
 
 std::optional<double> BenchResult::value(const std::string& what, const std::string& subject,
                                          const std::string& by, const std::string& unit) const {
@@ -188,6 +191,18 @@ std::optional<double> BenchResult::timesFaster(const std::string& engine, const 
   return *its / *ours;
 }
 
+std::optional<double> BenchResult::timesFasterThanEngines(const std::string& what,
+                                                          const std::string& subject,
+                                                          const std::string& by) const {
+  std::optional<double> least;
+  for (const Contender& c : contenders) {
+    if (c.is_ours) continue;
+    const auto times = timesFaster(c.name, what, subject, by);
+    if (times && !(least && *least <= *times)) least = times;
+  }
+  return least;
+}
+
 std::string BenchResult::label(const std::string& contender) const {
   for (const Contender& c : contenders)
     if (c.name == contender) return c.label;
@@ -202,6 +217,9 @@ GoalVerdict judge(const BenchResult& result, const Goal& goal) {
   GoalVerdict verdict;
   if (goal.unit == kTimesMujoco) {
     verdict.measured = result.timesFaster(kRawMujoco, goal.what, goal.subject, goal.by);
+    verdict.times_simbody = result.timesFaster(kRawSimbody, goal.what, goal.subject, goal.by);
+  } else if (goal.unit == kTimesBest) {
+    verdict.measured = result.timesFasterThanEngines(goal.what, goal.subject, goal.by);
     verdict.times_simbody = result.timesFaster(kRawSimbody, goal.what, goal.subject, goal.by);
   } else {
     verdict.measured = result.value(goal.what, goal.subject, goal.by, goal.unit);

@@ -16,8 +16,12 @@ namespace dynwitness::crosscheck {
 inline constexpr const char* kTimed[] = {"ID", "M", "FD"};
 // the engines that ratios are taken to, called as their users call them, no witness around them
 inline constexpr const char *kRawMujoco = "mujoco_raw", *kRawSimbody = "simbody_raw";
-/// The unit of a goal that is a ratio: MuJoCo's time over ours, both of this run.
-inline constexpr const char* kTimesMujoco = "times MuJoCo";
+// whole steps of time, timed as well: semi-implicit Euler's, the classical Runge and Kutta's
+inline constexpr const char *kStep = "step", *kRungeKuttaStep = "RK4 step",
+                            *kSteps[] = {kStep, kRungeKuttaStep};
+/// Units of goals that are ratios: MuJoCo's time over ours, that of the fastest engine over ours,
+/// both of this run.
+inline constexpr const char *kTimesMujoco = "times MuJoCo", *kTimesBest = "times the best engine";
 
 /// What the machine itself does, measured in the same run: nanoseconds an operation, by kind of
 /// instruction, and a byte, by size of an array ("16 KiB").
@@ -41,6 +45,7 @@ struct Measurement {
   double value = 0;
 
   bool isTime() const;  ///< of kTimed
+  bool isStep() const;  ///< the time of one of kSteps
 };
 
 struct Goal {
@@ -68,6 +73,9 @@ struct BenchResult {
   /// How many times faster than an engine, of a time of kTimed; nothing when either is missing.
   std::optional<double> timesFaster(const std::string& engine, const std::string& what,
                                     const std::string& subject, const std::string& by) const;
+  /// Than the fastest contender that is not ours.
+  std::optional<double> timesFasterThanEngines(const std::string& what, const std::string& subject,
+                                               const std::string& by) const;
   std::string label(const std::string& contender) const;
   /// The least that was measured of the machine [ns].
   std::optional<double> perOperation() const;

@@ -61,6 +61,47 @@ std::vector<SceneTable> sceneTables(const BenchResult& result) {
   return tables;
 }
 
+/// Steps of one scene by one contender.
+struct StepRow {
+  std::string label;
+  struct Cell {
+    std::optional<double> ns, per_second, times_best;
+  } cells[std::size(kSteps)];
+};
+struct StepTable {
+  std::string scene;
+  std::vector<StepRow> rows;
+};
+
+std::vector<StepTable> stepTables(const BenchResult& result) {
+  std::vector<StepTable> tables;
+  for (const Measurement& m : result.measured) {
+    const bool is_new =
+        m.isStep() && std::none_of(tables.begin(), tables.end(),
+                                   [&](const StepTable& t) { return t.scene == m.subject; });
+    if (!is_new) continue;
+    tables.push_back({m.subject, {}});
+    for (const Contender& contender : result.contenders) {
+      StepRow row{contender.label, {}};
+      bool is_there = false;
+      for (std::size_t k = 0; k < std::size(kSteps); ++k) {
+        const auto ns = result.value(kSteps[k], m.subject, contender.name, "ns");
+        if (!ns) continue;
+        row.cells[k] = {ns, 1e9 / *ns,
+                        result.timesFasterThanEngines(kSteps[k], m.subject, contender.name)};
+        is_there = true;
+      }
+      if (is_there) tables.back().rows.push_back(row);
+    }
+  }
+  return tables;
+}
+
+/// "1560 k"
+std::string perSecond(const std::optional<double>& x) {
+  return x ? figure(*x / 1000) + " k" : "-";
+}
+
 /// What else was measured, a line a contender: "5.44 ms, 2.48 MB, 1141 operations".
 struct OtherNumbers {
   std::string what, subject, label, values;
@@ -69,7 +110,7 @@ std::vector<OtherNumbers> otherNumbers(const BenchResult& result) {
   std::vector<OtherNumbers> lines;
   for (const Measurement& m : result.measured) {
     // what limits are made of is seen in these
-    if (m.isTime() || m.subject == kMachine || m.unit == kOperationsWithSines ||
+    if (m.isTime() || m.isStep() || m.subject == kMachine || m.unit == kOperationsWithSines ||
         m.unit == kBytesRead || m.unit == kBytesWritten || m.unit == kBytesAtHand)
       continue;
     const std::string label = result.label(m.by),
@@ -145,6 +186,20 @@ std::string benchText(const BenchResult& result) {
       for (const Row::Cell& cell : row.cells)
         text += fmt::format(" {:>8} {:>6} {:>6}", figure(cell.ns), figure(cell.mujoco),
                             figure(cell.simbody));
+      text += "\n";
+    }
+  }
+  for (const StepTable& table : stepTables(result)) {
+    text += fmt::format("\n{:<42}", table.scene + ", whole steps of time");
+    for (const char* step : kSteps)
+      text +=
+          fmt::format(" {:>13} {:>10} {:>7}", std::string(step) + " [ns]", "a second", "x best");
+    text += "\n";
+    for (const StepRow& row : table.rows) {
+      text += fmt::format("{:<42}", row.label);
+      for (const StepRow::Cell& cell : row.cells)
+        text += fmt::format(" {:>13} {:>10} {:>7}", figure(cell.ns), perSecond(cell.per_second),
+                            figure(cell.times_best));
       text += "\n";
     }
   }
@@ -253,6 +308,32 @@ void putTimes(std::string* page, const BenchResult& result) {
   }
 }
 
+void putSteps(std::string* page, const BenchResult& result) {
+  for (const StepTable& table : stepTables(result)) {
+    openTable(
+        page, "Table of steps",
+        table.scene +
+            ": whole steps of time, a state, how many a second, and how many times as fast as "
+            "the best engine's.");
+    *page += "<thead><tr><th scope=\"col\">Contender</th>";
+    for (const char* step : kSteps)
+      *page += fmt::format(
+          "<th scope=\"col\" class=\"n\">{} [ns]</th><th scope=\"col\" class=\"n\">a second</th>"
+          "<th scope=\"col\" class=\"n\">× best</th>",
+          step);
+    *page += "</tr></thead>\n<tbody>\n";
+    for (const StepRow& row : table.rows) {
+      *page += fmt::format("<tr><th scope=\"row\">{}</th>", esc(row.label));
+      for (const StepRow::Cell& cell : row.cells)
+        *page +=
+            fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                        figure(cell.ns), perSecond(cell.per_second), figure(cell.times_best));
+      *page += "</tr>\n";
+    }
+    *page += "</tbody>\n</table>\n</div>\n";
+  }
+}
+
 void putOtherNumbers(std::string* page, const BenchResult& result) {
   openTable(page, "Table of other numbers", "What else was measured.");
   *page +=
@@ -280,6 +361,7 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
   putFigure(&page, files);
   putGoals(&page, result);
   putTimes(&page, result);
+  putSteps(&page, result);
   putOtherNumbers(&page, result);
   if (!result.left_out.empty()) {
     page += "<p class=\"soft\">Left out:</p>\n<ul class=\"reasons\">\n";

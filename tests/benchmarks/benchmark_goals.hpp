@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/report/bench.hpp"
+#include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/fixtures/counted_arms.hpp"
 
 namespace dynwitness::benchmarks {
@@ -47,6 +48,14 @@ inline std::vector<crosscheck::Goal> goals() {
                                           {"dqdd", "franka_panda", 5.5},
                                           {"dqdd", "humanoid_floating", 34.0}})
       all.push_back({7, what, scene, by, "ns", 1000 * us / times, false});
+  // whole steps: of trees four times as many a second as the best engine's in the same run, of
+  // closed loops twice
+  for (const char* scene : kScenes)
+    for (const char* what : crosscheck::kSteps)
+      for (const char* by : {"fast", "fast_lanes"})
+        all.push_back({8, what, scene, by, crosscheck::kTimesBest, 4, true});
+  for (const char* scene : kClosedScenes)
+    all.push_back({8, crosscheck::kStep, scene, "fast", crosscheck::kTimesBest, 2, true});
   for (const auto& [scene, ms] : {std::pair("franka_panda", 20.0), {"chain_50", 500.0}}) {
     all.push_back({5, "derivation", scene, "lagrange", "ms", ms, false});
     all.push_back({5, "derivation", scene, "lagrange", "MB", 50, false});

@@ -35,8 +35,9 @@ constexpr const char* kUsage =
 
 Times inverse dynamics (ID), the mass matrix (M) and forward dynamics (FD) of an arm and a humanoid by
 our sweeps and kernels, made by two compilers, beside the engines, all in one run on the same states;
-their first derivatives (dtau, dqdd) by sweeps and by dual numbers; the derivation, with SymPy's
-beside it; making a kernel; a whole crosscheck. Counts operations of kernels. Prints ratios to MuJoCo and to Simbody,
+whole steps of trees and of closed loops (step: semi-implicit Euler; RK4 step), beside the engines' own;
+first derivatives (dtau, dqdd) by sweeps and by dual numbers, second ones (d2tau); the derivation, with
+SymPy's beside it; making a kernel; a whole crosscheck. Counts operations of kernels. Prints ratios to MuJoCo and to Simbody,
 and for every goal whether it is reached or by how much it is missed, and how far from what one core of
 this machine could do at its best (operations a second, bytes read and written a second, measured in the
 same run). Takes some minutes.
@@ -56,7 +57,7 @@ alone, and the fastest counts.
   --help            this text
 
 Options of google-benchmark are passed on; these are the useful ones:
-  --benchmark_filter=REGEX     SCENE/FORMULA/CONTENDER, as franka_panda/ID/, /dtau/ or /fast;
+  --benchmark_filter=REGEX     SCENE/FORMULA/CONTENDER, as franka_panda/ID/, /dtau/, step/ or /fast;
                                machine/ is what limits are made of: "machine/|/dtau/"
   --benchmark_list_tests=true  which there are
   --benchmark_repetitions=N    [{}]
@@ -230,6 +231,7 @@ int run(int argc, char** argv) {
   benchmarks::registerDerivations(&result);
   benchmarks::registerMachine();
   benchmarks::registerSweeps(&result);
+  benchmarks::registerSteps(&result);
   benchmarks::registerDerivatives(&result);
   benchmarks::registerStarts(&result);
   benchmarks::registerEngines(&result, engines_asked, limits);

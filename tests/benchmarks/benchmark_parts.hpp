@@ -26,11 +26,13 @@ constexpr int kStates = 1000;  ///< that a benchmark cycles through
 constexpr std::uint64_t kSeed = 1;
 constexpr const char* kStatesCounter = "states";
 constexpr const char* kScenes[] = {"franka_panda", "humanoid", "humanoid_floating"};
+constexpr const char* kClosedScenes[] = {"andrews_squeezer", "humanoid_both_feet"};
 
 /// Each adds its benchmarks to google-benchmark's list, and what the table must know of them to the
 /// result: contenders, and what is left out here.
 void registerMachine();                                     ///< machine/operation, ...
 void registerSweeps(crosscheck::BenchResult* result);       ///< SCENE/ID, M, FD/...
+void registerSteps(crosscheck::BenchResult* result);        ///< SCENE/step, RK4 step/...
 void registerDerivatives(crosscheck::BenchResult* result);  ///< SCENE/dtau, dqdd/...
 void registerDerivations(crosscheck::BenchResult* result);  ///< SCENE/derivation/...
 void registerStarts(crosscheck::BenchResult* result);       ///< making, crosscheck, counts
@@ -47,7 +49,7 @@ void tellWork(benchmark::State& run, const scene::Scene& scene,
               std::optional<long> operations = {});
 
 /// States one after the other, as NumPy lays them out, and room for up to `matrices` of dof^2
-/// numbers each, a matrix of all states after the other.
+/// numbers each, a matrix of all states after the other; of none for dof numbers.
 struct Rows {
   Rows(const recursive::Model<double>& model, const std::vector<scene::State<double>>& states,
        bool is_tau_given, int matrices = 1);
@@ -55,10 +57,11 @@ struct Rows {
   recursive::fast::Strided<const double> rates() const { return {qd.data(), n}; }
   recursive::fast::Strided<const double> given() const { return {w.data(), n}; }
   recursive::fast::Strided<double> answers(int numbers, int matrix = 0) {
-    return {out.data() + static_cast<std::ptrdiff_t>(matrix) * n * n * kStates, numbers};
+    return {out.data() + static_cast<std::ptrdiff_t>(matrix) * n * n * count, numbers};
   }
 
   int n, nq;
+  std::ptrdiff_t count;               ///< of states
   std::vector<double> q, qd, w, out;  ///< w: tau or qdd
 };
 
@@ -66,5 +69,7 @@ struct Rows {
 void addContender(crosscheck::BenchResult* result, const crosscheck::Contender& contender);
 
 std::string fastLanesLabel();  ///< of the contender fast_lanes
+/// Of an engine; empty where it was not found when this was built.
+std::string versionOf(const char* witness);
 
 }  // namespace dynwitness::benchmarks

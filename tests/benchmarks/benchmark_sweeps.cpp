@@ -23,7 +23,6 @@
 #include "tests/benchmarks/benchmark_kernels.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
-#include "tests/fixtures/lanes/many_steps.hpp"
 #ifdef DYNWITNESS_HAS_MUJOCO
 #include "crosscheck/chart/raw_mujoco.hpp"
 #endif
@@ -221,23 +220,29 @@ void fastMany(benchmark::State& run, const std::string& scene, Formula formula) 
   tellWork(run, arm.scene, arm.setup.model, kernel::name(formula), true);
 }
 
-/// The same on all cores, by threads that each call starts.
+/// The same on all cores, by threads that each call starts: with so many states that starting them
+/// takes little of it.
 void fastOnCores(benchmark::State& run, const std::string& scene, Formula formula, int cores) {
   using recursive::fast::ManyStates;
   Arm arm(scene);
-  Rows rows = rowsOf(arm, formula);
+  const bool is_M = formula == Formula::kMassMatrix;
+  std::vector<scene::State<double>> states;
+  for (int times = is_M ? 4 : 32; times > 0; --times)
+    states.insert(states.end(), arm.states.begin(), arm.states.end());
+  Rows rows(arm.setup.model, states, formula == Formula::kForwardDynamics, is_M ? 1 : 0);
   recursive::fast::AllCores<ManyStates> many(arm.setup.model, cores);
   for (auto _ : run) {
-    if (formula == Formula::kMassMatrix)
-      many.ask(&ManyStates::massMatrix, kStates, rows.positions(), rows.answers(rows.n * rows.n));
+    if (is_M)
+      many.ask(&ManyStates::massMatrix, states.size(), rows.positions(),
+               rows.answers(rows.n * rows.n));
     else
       many.ask(formula == Formula::kForwardDynamics ? &ManyStates::forwardDynamics
                                                     : &ManyStates::inverseDynamics,
-               kStates, rows.positions(), rows.rates(), rows.given(), rows.answers(rows.n));
+               states.size(), rows.positions(), rows.rates(), rows.given(), rows.answers(rows.n));
     benchmark::DoNotOptimize(rows.out.data());
     benchmark::ClobberMemory();
   }
-  run.counters[kStatesCounter] = kStates;
+  run.counters[kStatesCounter] = static_cast<double>(states.size());
 }
 
 /// M as the numbers that say all of it.
@@ -249,21 +254,6 @@ void packedMany(benchmark::State& run, const std::string& scene) {
   for (auto _ : run) {
     many.packedMassMatrix(kStates, rows.positions(), rows.answers(numbers));
     benchmark::DoNotOptimize(rows.out.data());
-    benchmark::ClobberMemory();
-  }
-  run.counters[kStatesCounter] = kStates;
-}
-
-/// Steps from all states: of no length, so that they stay what they are.
-void stepMany(benchmark::State& run, const std::string& scene,
-              recursive::fast::Integrator integrator) {
-  Arm arm(scene);
-  Rows rows = rowsOf(arm, Formula::kForwardDynamics);
-  recursive::fast::ManySteps many(arm.setup.model);
-  for (auto _ : run) {
-    many.step(kStates, integrator, 0, 1, {rows.q.data(), rows.nq}, {rows.qd.data(), rows.n},
-              rows.given());
-    benchmark::DoNotOptimize(rows.q.data());
     benchmark::ClobberMemory();
   }
   run.counters[kStatesCounter] = kStates;
@@ -351,12 +341,6 @@ void simbodyRaw(benchmark::State& run, const std::string& scene, Formula formula
 
 // ---- who takes part -----------------------------------------------------------------------------
 
-std::string versionOf(const char* witness) {
-  for (const WitnessKind& kind : witnessKinds())
-    if (kind.info.name == witness) return kind.info.version;
-  return "";
-}
-
 constexpr Formula kFormulas[] = {Formula::kInverseDynamics, Formula::kMassMatrix,
                                  Formula::kForwardDynamics};
 Quantity quantityOf(Formula formula) {
@@ -396,14 +380,20 @@ void addContender(BenchResult* result, const Contender& contender) {
 
 Rows::Rows(const recursive::Model<double>& model, const std::vector<scene::State<double>>& states,
            bool is_tau_given, int matrices)
-    : n(model.dof()), nq(model.positions) {
+    : n(model.dof()), nq(model.positions), count(static_cast<std::ptrdiff_t>(states.size())) {
   for (const scene::State<double>& s : states) {
     for (const scene::JointPosition<double>& x : s.x) q.push_back(x.q);
     const std::vector<double>& third = is_tau_given ? s.tau : s.qdd;
     qd.insert(qd.end(), s.qd.begin(), s.qd.end());
     w.insert(w.end(), third.begin(), third.end());
   }
-  out.resize(static_cast<std::size_t>(matrices * n * n) * kStates);
+  out.resize(static_cast<std::size_t>(std::max(matrices * n * n, n)) * states.size());
+}
+
+std::string versionOf(const char* witness) {
+  for (const WitnessKind& kind : witnessKinds())
+    if (kind.info.name == witness) return kind.info.version;
+  return "";
 }
 
 std::string fastLanesLabel() {
@@ -461,17 +451,9 @@ void registerSweeps(BenchResult* result) {
        add(result, {"fast_all_cores", fmt::format("the same on {} cores, {}", cores, own), true},
            fastOnCores, cores))
     b->UseRealTime();
-  for (const char* scene : kScenes) {
-    using recursive::fast::Integrator;
-    for (const auto& [what, integrator] : {std::pair("step", Integrator::kSemiImplicitEuler),
-                                           {"RK4 step", Integrator::kRungeKutta4}})
-      benchmark::RegisterBenchmark(fmt::format("{}/{}/fast_lanes", scene, what).c_str(),
-                                   [=, integrator = integrator](benchmark::State& run) {
-                                     stepMany(run, scene, integrator);
-                                   });
+  for (const char* scene : kScenes)
     benchmark::RegisterBenchmark(fmt::format("{}/packed M/fast_lanes", scene).c_str(),
                                  [=](benchmark::State& run) { packedMany(run, scene); });
-  }
 #ifdef DYNWITNESS_SECOND_COMPILER
   add(result, {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true},
       [](benchmark::State& run, const std::string& scene, Formula f) {

@@ -30,6 +30,7 @@ long allocations = 0;
 #include "recursive/constraints.hpp"
 #include "recursive/derivatives.hpp"
 #include "recursive/energy.hpp"
+#include "recursive/fast/closed_dynamics.hpp"
 #include "recursive/fast/derivatives.hpp"
 #include "recursive/fast/dynamics.hpp"
 #include "recursive/newton_euler.hpp"
@@ -187,6 +188,18 @@ BOOST_DATA_TEST_CASE(constraint_equations_allocate_nothing,
   BOOST_TEST(allocationsIn([&] { constraintEquations(b.model, b.x, b.qd, b.ws, constraints); }) ==
              0);
   BOOST_TEST(constraints.J.cwiseAbs().maxCoeff() > 0);  // it did run
+}
+
+BOOST_AUTO_TEST_CASE(fast_closed_dynamics_allocates_nothing) {
+  Bench b("andrews_squeezer");
+  const scene::RealNumbers<double> number(b.mechanism);
+  fast::ClosedDynamics dynamics(b.model, buildConstraints(b.mechanism, number, b.model),
+                                buildPointSprings(b.mechanism, number, b.model));
+  const std::vector<double> q(b.x.size(), 0.3);
+  BOOST_TEST(allocationsIn([&] {
+               dynamics.forwardDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
+             }) == 0);
+  BOOST_TEST(dynamics.rank() > 0);
 }
 
 BOOST_DATA_TEST_CASE(constrained_forward_dynamics_allocates_nothing, data::make(kScenes), scene) {

@@ -94,6 +94,50 @@ BOOST_AUTO_TEST_CASE(a_goal_is_reached_or_missed_by_so_much) {
 
 namespace {
 
+/// The best engine takes 800 ns a step, ours 200.
+BenchResult withSteps() {
+  BenchResult r = sample();
+  r.contenders.push_back({"dart_raw", "DART 6"});
+  for (const Measurement& m : {Measurement{kStep, "arm", kRawMujoco, "ns", 1000},
+                               {kStep, "arm", "dart_raw", "ns", 800},
+                               {kStep, "arm", "fast", "ns", 200},
+                               {kRungeKuttaStep, "arm", "fast", "ns", 500}})
+    r.measured.push_back(m);
+  r.goals = {{8, kStep, "arm", "fast", kTimesBest, 4, true},
+             {8, kStep, "arm", "fast", kTimesBest, 5, true},
+             {8, kRungeKuttaStep, "arm", "fast", kTimesBest, 4, true}};
+  return r;
+}
+
+}  // namespace
+
+// expected: by hand
+BOOST_AUTO_TEST_CASE(the_best_engine_is_the_fastest_that_is_not_ours) {
+  const BenchResult r = withSteps();
+  const GoalVerdict just = judge(r, r.goals[0]), missed = judge(r, r.goals[1]);
+  BOOST_TEST(*just.measured == 4);
+  BOOST_TEST(just.word() == "reached");
+  BOOST_TEST(!just.times_simbody);
+  BOOST_TEST(missed.missed_by == 25);
+  BOOST_TEST(judge(r, r.goals[2]).word() == "not measured");  // no engine took that step
+}
+
+BOOST_FIXTURE_TEST_CASE(steps_have_tables_of_their_own, BenchFolder) {
+  const BenchResult r = withSteps();
+  const std::string text = benchText(r), page = benchSection(r, {});
+  BOOST_TEST(contains(text, "arm, whole steps of time"), text);
+  BOOST_TEST(contains(text, "200     5000 k    4.00"), text);
+  BOOST_TEST(!contains(text, "arm, step: DART"), text);  // among other numbers
+  BOOST_TEST(contains(page, "arm: whole steps of time"), page);
+  BOOST_TEST(contains(page,
+                      "<td class=\"n\">200</td><td class=\"n\">5000 k</td>"
+                      "<td class=\"n\">4.00</td>"),
+             page);
+  BOOST_TEST(benchText(readBench(file(benchJson(r)))) == text);
+}
+
+namespace {
+
 /// One core does 10 operations a ns, reads 4 bytes a ns far away and 40 nearby, and writes 8.
 BenchResult withMachine() {
   BenchResult r = sample();
