@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,8 +24,12 @@ class Cube {
   void clear() { std::fill(at_.begin(), at_.end(), T(0)); }
 
   using Slab = Eigen::Map<RowsX<T>, 0, Eigen::OuterStride<>>;
+  using ConstSlab = Eigen::Map<const RowsX<T>, 0, Eigen::OuterStride<>>;
   /// The matrix of all (i, k) at this j.
   Slab slab(int j) {
+    return {at_.data() + index(0, j, 0), n(), n(), Eigen::OuterStride<>(n() * n())};
+  }
+  ConstSlab slab(int j) const {
     return {at_.data() + index(0, j, 0), n(), n(), Eigen::OuterStride<>(n() * n())};
   }
 
@@ -53,12 +59,17 @@ struct InverseDynamicsSecondDerivatives {
         d2tau_dqd_dqd(d2tau_dq_dq),
         d2tau_dq_dqdd(d2tau_dq_dq) {}
   Cube<T> d2tau_dq_dq, d2tau_dq_dqd, d2tau_dqd_dqd, d2tau_dq_dqdd;
+  std::array<Cube<T>*, 4> all() {
+    return {&d2tau_dq_dq, &d2tau_dq_dqd, &d2tau_dqd_dqd, &d2tau_dq_dqdd};
+  }
 };
 
 /** Of forward dynamics, n x n x n each, row i of qdd_i, with the same D_j:
 
-        d2qdd_dq_dq, d2qdd_dq_dqd, d2qdd_dqd_dqd  as those of tau  [1/s^2, 1/s, 1/rad for turns]
-        d2qdd_dq_dtau(i, j, k)                    D_j (1/M)_ik  [1/(kg m^2)]
+        d2qdd_dq_dq    as that of tau  [1/(rad s^2)]
+        d2qdd_dq_dqd                   [1/(rad s)]
+        d2qdd_dqd_dqd                  [1/rad]
+        d2qdd_dq_dtau(i, j, k)  D_j (1/M)_ik  [1/(kg m^2 rad)]
 
     All others are zero. */
 template <typename T>
@@ -69,9 +80,12 @@ struct ForwardDynamicsSecondDerivatives {
         d2qdd_dqd_dqd(d2qdd_dq_dq),
         d2qdd_dq_dtau(d2qdd_dq_dq) {}
   Cube<T> d2qdd_dq_dq, d2qdd_dq_dqd, d2qdd_dqd_dqd, d2qdd_dq_dtau;
+  std::array<Cube<T>*, 4> all() {
+    return {&d2qdd_dq_dq, &d2qdd_dq_dqd, &d2qdd_dqd_dqd, &d2qdd_dq_dtau};
+  }
 };
 
-/// What the sweep writes on: sized once for a model, then reused without allocation.
+/// What the sweep writes on: sized once for a model. That of tau does not allocate.
 template <typename T>
 struct SecondDerivativesWorkspace {
   /// An axis inboard of the link in hand or its own, in that link's coordinates.
@@ -79,7 +93,8 @@ struct SecondDerivativesWorkspace {
     int link, dof;
     Motion<T> Z, psi, chi, phi;  ///< as in DerivativesWorkspace
   };
-  /// Loads in world axes of a link and all outboard: their forces F at r, and moments n.
+  /// Of loads that keep world axes, on a link and all outboard, their forces F at r and moments n,
+  /// in that link's coordinates.
   struct Loads {
     Vector3<T> moment;  ///< sum of n
     Matrix3<T> F_r;     ///< sum of F r'
@@ -104,19 +119,19 @@ struct SecondDerivativesWorkspace {
 
 namespace detail {
 
-/// What loads in world axes, with this sum of forces, change by as their link turns by w; and of
-/// that, as it has turned by u before: (12) of derivatives.hpp, and its own derivative.
+/// What the wrench of such loads changes by, as their link sees it, when it turns by w: (12) of
+/// derivatives.hpp. And what that changes by when the link turns by u before.
 template <typename T>
 struct TurningLoads {
   Vector3<T> force;
-  typename SecondDerivativesWorkspace<T>::Loads of;
+  typename SecondDerivativesWorkspace<T>::Loads sums;
 
   Force<T> turned(const Vector3<T>& w) const {
     // w x n + r x (w x F) = w x n + (tr(F r') - F r') w
-    return {w.cross(force), w.cross(of.moment) + w * of.F_r.trace() - of.F_r * w};
+    return {w.cross(force), w.cross(sums.moment) + w * sums.F_r.trace() - sums.F_r * w};
   }
   Force<T> turnedTwice(const Vector3<T>& u, const Vector3<T>& w) const {
-    const TurningLoads before{-u.cross(force), {-u.cross(of.moment), -(skew<T>(u) * of.F_r)}};
+    const TurningLoads before{-u.cross(force), {-u.cross(sums.moment), -(skew<T>(u) * sums.F_r)}};
     return before.turned(w);
   }
 };
@@ -236,17 +251,17 @@ class OutermostAxis {
       if (is_own) qd_qd = qd_qd - M_ * cross(a.Z, o_.Z);
       const Force<T> qd_q = D_ * a.phi + E_ * a.Z + cross(a.Z, e_);
       Force<T> q_qdd = Force<T>::zero();
-      int turned = -1;  // whose axis is inboard of a
+      bool turns = false;  // axis a the wrench, from here inboard: (7)
       for (const PathAxis& i : path_) {
         if (i.link == o_.link) continue;
-        if (i.link < a.link && turned < 0) {
-          turned = i.link;
+        if (i.link < a.link && !turns) {
+          turns = true;
           q_q = q_q + cross(a.Z, by.W_q);
           q_qd = q_qd + cross(a.Z, by.W_qd);
           q_qdd = cross(a.Z, by.F);
         }
         put(out.d2tau_dq_dqd(i.dof, a.dof, o_.dof), dot(i.Z, q_qd));
-        if (turned >= 0) put(out.d2tau_dq_dqdd(i.dof, a.dof, o_.dof), dot(i.Z, q_qdd));
+        if (turns) put(out.d2tau_dq_dqdd(i.dof, a.dof, o_.dof), dot(i.Z, q_qdd));
         if (is_own) {
           put(out.d2tau_dq_dq(i.dof, a.dof, o_.dof), dot(i.Z, q_q));
           put(out.d2tau_dqd_dqd(i.dof, a.dof, o_.dof), dot(i.Z, qd_qd));
@@ -297,9 +312,9 @@ class OutermostAxis {
 
     Letters as there: F = M Z, 2 B, G = (2 B)' Z, f, h of all that is outboard of o as if it were
     one rigid body; psi, chi, phi of each axis; everything in the coordinates of o's link. Let a be
-    inboard of b, or of the same joint, and b inboard of o. Seen from a frame that moves with Z_a,
-    all that is outboard of it stays what it is, but for motions: those that the joint of b receives
-    change by psi_a (velocity) and chi_a - v x psi_a (acceleration), so that
+    inboard of b, or of its joint, and b inboard of o, or of its joint. Seen from a frame that moves
+    with Z_a, all that is outboard of it stays what it is, but for motions: those that the joint of
+    b receives change by psi_a (velocity) and chi_a - v x psi_a (acceleration), so that
         (1)  D_a psi_b = psi_a x Z_b,   D_a chi_b = chi_a x Z_b + 2 psi_a x psi_b,
              D_a phi_b = 2 psi_a x Z_b
     and 2 B, linear in the velocity, by 2 B of psi_a. With
@@ -308,11 +323,12 @@ class OutermostAxis {
     (D is what M changes by as it moves with Z: an inertia without mass) and each coordinate x_a as
     what it does,
         (3)  q: (A, V) = (chi, psi),   qd: (phi, Z),   qdd: (Z, 0)
-    row o by q_b and x_a is
+    row o by q_b and x_a (of b's joint: by q_a alone) is
         (4)  d(D_b tau_o)/dx_a = A_a'(Z_b x* F) + V_a'(psi_b x* F + Z_b x* G - D psi_b)
     and by qd_b, for x = q or qd,
         (5)  d(dtau_o/dqd_b)/dx_a = V_a'(Z_b x* F - D Z_b)     (of one joint, by qd: -V_a' D Z_b)
-    The row of any axis i inboard of o, wherever a is, is Z_i' of
+    The row of any axis i inboard of o, wherever a is (of o's joint: by q_a and qd_a alone, of which
+    by q_o, qd_a is by q_a, qd_o with o and a exchanged), is Z_i' of
         (6)  by q_o, x_a:   D A_a + E V_a + V_a x* e,   E = M's change along psi_o and dM/dt's
                             along Z_o,   e = M psi_o + Z_o x* h
              by qd_o, x_a:  D V_a + V_a x* F            (of one joint, by qd: less M (V_a x Z_o))
@@ -321,10 +337,11 @@ class OutermostAxis {
     Derivatives of different joints commute: each triple is met once, o being the outermost.
 
     A gyroscopic rotor: beyond the joint of o, F, G and W as (14) of the first derivatives has them.
-    Loads in world axes turn back once more. Springs, viscous friction and rotors are linear.
+    Loads in world axes turn back once more. Springs, viscous friction and rotors are linear, and
+    the sign of Coulomb friction does not change.
 
-    @param out   made for this model: what is zero by nature stays what it was made with, and is
-      most of it where a tree has many branches; room.of_tau has the first derivatives
+    @param out   made for this model: entries that are zero at every state are never written (most
+      of them where a tree has many branches). room.of_tau has the first derivatives
     @throws std::invalid_argument  a vector is not of length n, or a rotor is geared to several
       rates
     @see S. Singh, R. Russell, P. Wensing, On Second-Order Derivatives of Rigid-Body Dynamics:
@@ -339,17 +356,13 @@ void inverseDynamicsSecondDerivatives(const Model<T>& model, const std::vector<J
     throw std::invalid_argument(
         "inverseDynamicsSecondDerivatives: model: a rotor is geared to several rates, expected "
         "rotors of one rate each");
-  if (out.d2tau_dq_dq.n() != model.dof())
-    throw std::invalid_argument("inverseDynamicsSecondDerivatives: out: expected " +
-                                std::to_string(model.dof()) + " joint values, got " +
-                                std::to_string(out.d2tau_dq_dq.n()));
+  requireSize(model, "inverseDynamicsSecondDerivatives", "out",
+              static_cast<std::size_t>(out.d2tau_dq_dq.n()));
   inverseDynamicsDerivatives(model, x, qd, qdd, room.first, room.of_tau, terms);
   const bool has_world_loads = terms.loads && !room.loads.empty();
   if (has_world_loads) detail::sumWorldLoads(model, room);
   if (model.coupled)
-    for (Cube<T>* const cube :
-         {&out.d2tau_dq_dq, &out.d2tau_dq_dqd, &out.d2tau_dqd_dqd, &out.d2tau_dq_dqdd})
-      cube->clear();
+    for (Cube<T>* const cube : out.all()) cube->clear();
   for (int i = 0; i < static_cast<int>(model.links.size()); ++i) {
     const int axes = axisCount(model.links[i].kind);
     if (axes == 0) continue;
@@ -381,6 +394,8 @@ void forwardDynamicsSecondDerivatives(const Model<T>& model, const std::vector<J
                                       InverseDynamicsSecondDerivatives<T>& of_tau,
                                       ForwardDynamicsSecondDerivatives<T>& out,
                                       Terms terms = Terms::all()) {
+  requireSize(model, "forwardDynamicsSecondDerivatives", "out",
+              static_cast<std::size_t>(out.d2qdd_dq_dq.n()));
   inverseDynamicsSecondDerivatives(model, x, qd, qdd, room, of_tau, terms);
   solveForAccelerations(model, room.first, room.of_tau, room.of_qdd);
   const ForwardDynamicsDerivatives<T>& first = room.of_qdd;
@@ -402,8 +417,7 @@ void forwardDynamicsSecondDerivatives(const Model<T>& model, const std::vector<J
     for (int j = 0; j < n; ++j) out.d2qdd_dq_dq.slab(j).col(k) += product.col(j);
   }
   for (int j = 0; j < n; ++j)
-    for (Cube<T>* const cube :
-         {&out.d2qdd_dq_dq, &out.d2qdd_dq_dqd, &out.d2qdd_dqd_dqd, &out.d2qdd_dq_dtau}) {
+    for (Cube<T>* const cube : out.all()) {
       product.noalias() = first.dqdd_dtau * cube->slab(j);
       cube->slab(j) = -product;
     }

@@ -65,7 +65,7 @@ void addOnLink(const std::string& name, const Link& driven, const Rotor& rotor, 
   tree->links.push_back(lacking);
 }
 
-/// Geared to several rates.
+/// Geared to several rates, with an axis of their own on the parent.
 bool hasGyroscopicRotors(const Link& link) {
   const auto& rotors = link.joint.rotors;
   return std::any_of(rotors.begin(), rotors.end(),

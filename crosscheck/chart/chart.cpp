@@ -131,9 +131,7 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
     if (kind.info.version == DYNWITNESS_VERSION && !isProgram(kind))
       continue;  // ours: above, without their bounds
     if (!kind.info.present) {
-      chart->left_out.push_back(
-          kind.info.name + ": " +
-          (kind.info.absent.empty() ? "absent from this build" : kind.info.absent));
+      chart->left_out.push_back(kind.info.name + ": " + kind.info.absent);
       continue;
     }
     MadeWitness made = kind.make(scene);

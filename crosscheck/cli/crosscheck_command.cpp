@@ -259,7 +259,8 @@ int runCrosscheck(const CrosscheckArguments& arguments) {
   result.states = arguments.options.states;
   result.command = reproduce(arguments);
   std::vector<Environment::Library> libraries;
-  for (const WitnessKind& kind : witnessKinds()) {
+  // of witnesses that somebody chose none is missing
+  for (const WitnessKind& kind : arguments.options.witnesses.empty() ? witnessKinds() : kinds) {
     result.witnesses.push_back(kind.info);
     if (kind.info.version != DYNWITNESS_VERSION)
       libraries.push_back({kind.info.name, kind.info.present ? kind.info.version : "absent"});

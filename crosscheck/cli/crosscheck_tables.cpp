@@ -145,8 +145,7 @@ void printAbsent(const CrosscheckResult& result) {
   std::vector<std::pair<std::string, std::string>> names_by_reason;
   for (const WitnessInfo& witness : result.witnesses) {
     if (witness.present) continue;
-    const std::string reason =
-        witness.absent.empty() ? "not found when dynwitness was built" : witness.absent;
+    const std::string& reason = witness.absent;
     const auto same = std::find_if(names_by_reason.begin(), names_by_reason.end(),
                                    [&](const auto& it) { return it.first == reason; });
     if (same == names_by_reason.end())

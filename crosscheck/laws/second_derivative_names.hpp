@@ -3,7 +3,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
+
+#include <fmt/format.h>
 
 #include "scene/mechanism.hpp"
 
@@ -31,11 +34,20 @@ inline bool isOfForces(SecondDerivative quantity) {
   return quantity <= SecondDerivative::kTauByQQdd;
 }
 
+/// The sweep is asked up to here: n^3 numbers a quantity, and n^4 operations for qdd.
+constexpr int kMostSecondRates = 40;
+
 /// Why the sweep does not go there; empty: it does.
 inline std::string whyNoSecondSweep(const scene::Mechanism& mechanism) {
-  return mechanism.hasGearedRotors()
-             ? "the sweep for second derivatives knows no rotors that are geared to several rates"
-             : "";
+  if (mechanism.hasGearedRotors())
+    return "the sweep for second derivatives knows no rotors that are geared to several rates";
+  const int n = mechanism.dof();
+  return n <= kMostSecondRates
+             ? ""
+             : fmt::format(
+                   "{} rates have second derivatives of {} numbers each: the sweep for them "
+                   "is asked of at most {} rates",
+                   n, 1L * n * n * n, kMostSecondRates);
 }
 
 }  // namespace dynwitness::crosscheck

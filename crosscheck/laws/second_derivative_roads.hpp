@@ -197,15 +197,13 @@ class SecondDerivativeRoads {
       recursive::forwardDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd, room_,
                                                   of_tau_, of_qdd_);
     is_swept_ = true;
-    recursive::Cube<T>* const cubes[] = {&of_tau_.d2tau_dq_dq,   &of_tau_.d2tau_dq_dqd,
-                                         &of_tau_.d2tau_dqd_dqd, &of_tau_.d2tau_dq_dqdd,
-                                         &of_qdd_.d2qdd_dq_dq,   &of_qdd_.d2qdd_dq_dqd,
-                                         &of_qdd_.d2qdd_dqd_dqd, &of_qdd_.d2qdd_dq_dtau};
+    const auto k = static_cast<std::size_t>(quantity);
+    const recursive::Cube<T>& cube =
+        isOfForces(quantity) ? *of_tau_.all()[k] : *of_qdd_.all()[k - of_tau_.all().size()];
     const MatrixX<T> u = Eigen::Map<const MatrixX<T>>(u_.data(), model_.dof(), 1);
     MatrixX<T> sum = MatrixX<T>::Constant(model_.dof(), 1, T(0));
     for (int j = 0; j < model_.dof(); ++j)
-      sum += MatrixX<T>(cubes[static_cast<int>(quantity)]->slab(j) * u) *
-             w_[static_cast<std::size_t>(j)];
+      sum += MatrixX<T>(cube.slab(j) * u) * w_[static_cast<std::size_t>(j)];
     return sum;
   }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,44 +19,40 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr std::array<const char*, 15> kDerivativeNames = {"dtau_dq",
-                                                          "dtau_dqd",
-                                                          "dqdd_dq",
-                                                          "dqdd_dqd",
-                                                          "dqdd_dtau",
-                                                          "C",
-                                                          "Y",
-                                                          "d2tau_dq_dq",
-                                                          "d2tau_dq_dqd",
-                                                          "d2tau_dqd_dqd",
-                                                          "d2tau_dq_dqdd",
-                                                          "d2qdd_dq_dq",
-                                                          "d2qdd_dq_dqd",
-                                                          "d2qdd_dqd_dqd",
-                                                          "d2qdd_dq_dtau"};
+/// What a derivative is of and by.
+struct Letters {
+  const char *of, *by, *second = nullptr;
+  std::vector<std::string> all() const {
+    return second ? std::vector<std::string>{by, second} : std::vector<std::string>{by};
+  }
+};
+struct Named {
+  const char* name;
+  Letters letters;
+};
+/// In the order of DerivativeQuantity. C is in the units of dtau_dqd; of Y there is no letter.
+constexpr std::array<Named, 15> kDerivatives = {{{"dtau_dq", {"tau", "q"}},
+                                                 {"dtau_dqd", {"tau", "qd"}},
+                                                 {"dqdd_dq", {"qdd", "q"}},
+                                                 {"dqdd_dqd", {"qdd", "qd"}},
+                                                 {"dqdd_dtau", {"qdd", "tau"}},
+                                                 {"C", {"tau", "qd"}},
+                                                 {"Y", {"tau", ""}},
+                                                 {"d2tau_dq_dq", {"tau", "q", "q"}},
+                                                 {"d2tau_dq_dqd", {"tau", "q", "qd"}},
+                                                 {"d2tau_dqd_dqd", {"tau", "qd", "qd"}},
+                                                 {"d2tau_dq_dqdd", {"tau", "q", "qdd"}},
+                                                 {"d2qdd_dq_dq", {"qdd", "q", "q"}},
+                                                 {"d2qdd_dq_dqd", {"qdd", "q", "qd"}},
+                                                 {"d2qdd_dqd_dqd", {"qdd", "qd", "qd"}},
+                                                 {"d2qdd_dq_dtau", {"qdd", "q", "tau"}}}};
 
 bool isSecond(DerivativeQuantity quantity) {
   return quantity >= DerivativeQuantity::kD2tauDqDq;
 }
 
-/// What a derivative is of and by: "dtau_dq" is "tau", "q".
-struct Letters {
-  std::string of;
-  std::vector<std::string> by;
-};
-Letters lettersOf(DerivativeQuantity quantity) {
-  if (quantity == DerivativeQuantity::kCoriolis) quantity = DerivativeQuantity::kDtauDqd;
-  std::string rest = name(quantity);
-  Letters out;
-  const auto next = [&](std::size_t skipped) {
-    const std::size_t end = std::min(rest.find('_'), rest.size());
-    std::string letter = rest.substr(skipped, end - skipped);
-    rest.erase(0, end + 1);
-    return letter;
-  };
-  out.of = next(isSecond(quantity) ? 2 : 1);
-  while (!rest.empty()) out.by.push_back(next(1));
-  return out;
+const Letters& lettersOf(DerivativeQuantity quantity) {
+  return kDerivatives[static_cast<std::size_t>(quantity)].letters;
 }
 
 /// kg, N, m, rad, s, each to a power.
@@ -85,23 +80,23 @@ std::string inWords(const Powers& powers) {
 std::string unitOf(const Letters& letters, bool row_slides, const std::vector<bool>& slide) {
   enum { kKg, kN, kM, kRad, kS };
   Powers powers = {};
-  const std::string& last = letters.by.back();
-  const bool is_inverse = last == "tau", is_M = last == "qdd";
+  const std::vector<std::string> by = letters.all();
+  const bool is_inverse = by.back() == "tau", is_M = by.back() == "qdd";
   if (is_inverse || is_M) {
     const int sign = is_M ? 1 : -1;
     powers[kKg] = sign;
     powers[kM] = sign * ((row_slides ? 0 : 1) + (slide.back() ? 0 : 1));
-  } else if (letters.of == "tau") {
+  } else if (letters.of == std::string("tau")) {
     powers[kN] = 1;
     powers[kM] = row_slides ? 0 : 1;
   } else {
     ++powers[row_slides ? kM : kRad];
     powers[kS] = -2;
   }
-  for (std::size_t k = 0; k < letters.by.size(); ++k) {
-    if (letters.by[k] == "tau" || letters.by[k] == "qdd") continue;
+  for (std::size_t k = 0; k < by.size(); ++k) {
+    if (by[k] == "tau" || by[k] == "qdd") continue;
     --powers[slide[k] ? kM : kRad];
-    if (letters.by[k] == "qd") ++powers[kS];
+    if (by[k] == "qd") ++powers[kS];
   }
   return inWords(powers);
 }
@@ -109,17 +104,20 @@ std::string unitOf(const Letters& letters, bool row_slides, const std::vector<bo
 }  // namespace
 
 const char* name(DerivativeQuantity quantity) {
-  return kDerivativeNames[static_cast<std::size_t>(quantity)];
+  return kDerivatives[static_cast<std::size_t>(quantity)].name;
 }
 
 std::optional<DerivativeQuantity> derivativeQuantityNamed(const std::string& text) {
-  const auto found = std::find(kDerivativeNames.begin(), kDerivativeNames.end(), text);
-  if (found == kDerivativeNames.end()) return std::nullopt;
-  return static_cast<DerivativeQuantity>(found - kDerivativeNames.begin());
+  const auto* const found = std::find_if(kDerivatives.begin(), kDerivatives.end(),
+                                         [&](const Named& one) { return one.name == text; });
+  if (found == kDerivatives.end()) return std::nullopt;
+  return static_cast<DerivativeQuantity>(found - kDerivatives.begin());
 }
 
 std::vector<std::string> derivativeQuantityNames() {
-  return {kDerivativeNames.begin(), kDerivativeNames.end()};
+  std::vector<std::string> names;
+  for (const Named& one : kDerivatives) names.emplace_back(one.name);
+  return names;
 }
 
 struct DerivativeQuantities::Parts {
@@ -160,15 +158,14 @@ struct DerivativeQuantities::Parts {
 
   /// Made when they are first asked for: n^3 numbers each.
   struct Second {
-    explicit Second(const recursive::Model<double>& model)
-        : room(model), of_tau(model), of_qdd(model) {}
+    explicit Second(const recursive::Model<double>& model) : room(model), of_tau(model) {}
     recursive::SecondDerivativesWorkspace<double> room;
     recursive::InverseDynamicsSecondDerivatives<double> of_tau;
-    recursive::ForwardDynamicsSecondDerivatives<double> of_qdd;
+    std::optional<recursive::ForwardDynamicsSecondDerivatives<double>> of_qdd;
   };
   std::unique_ptr<Second> second;
 
-  /// n x n^2, of one cube. @param quantity  of qdd, if it is
+  /// n x n^2, of one cube. @param state  with qdd for d2tau_dq_dq, tau for d2qdd_dq_dq
   Eigen::MatrixXd secondDerivatives(DerivativeQuantity quantity, const scene::State<double>& state);
 };
 
@@ -178,23 +175,23 @@ Eigen::MatrixXd DerivativeQuantities::Parts::secondDerivatives(DerivativeQuantit
   if (!second) second = std::make_unique<Second>(model);
   const std::vector<double> none(qdd.size(), 0.0);
   Second& s = *second;
-  if (quantity <= Quantity::kD2tauDqDqdd) {
+  const auto k =
+      static_cast<std::size_t>(quantity) - static_cast<std::size_t>(Quantity::kD2tauDqDq);
+  const bool is_of_forces = k < s.of_tau.all().size();
+  if (is_of_forces) {
     recursive::inverseDynamicsSecondDerivatives(model, state.x, state.qd,
                                                 quantity == Quantity::kD2tauDqDq ? state.qdd : none,
                                                 s.room, s.of_tau);
   } else {
+    if (!s.of_qdd) s.of_qdd.emplace(model);
     if (quantity == Quantity::kD2qddDqDq)
       recursive::forwardDynamics(model, state.x, state.qd, state.tau, room.ws, qdd);
     recursive::forwardDynamicsSecondDerivatives(model, state.x, state.qd,
                                                 quantity == Quantity::kD2qddDqDq ? qdd : none,
-                                                s.room, s.of_tau, s.of_qdd);
+                                                s.room, s.of_tau, *s.of_qdd);
   }
-  recursive::Cube<double>* const cubes[] = {&s.of_tau.d2tau_dq_dq,   &s.of_tau.d2tau_dq_dqd,
-                                            &s.of_tau.d2tau_dqd_dqd, &s.of_tau.d2tau_dq_dqdd,
-                                            &s.of_qdd.d2qdd_dq_dq,   &s.of_qdd.d2qdd_dq_dqd,
-                                            &s.of_qdd.d2qdd_dqd_dqd, &s.of_qdd.d2qdd_dq_dtau};
-  recursive::Cube<double>& cube =
-      *cubes[static_cast<int>(quantity) - static_cast<int>(Quantity::kD2tauDqDq)];
+  const recursive::Cube<double>& cube =
+      is_of_forces ? *s.of_tau.all()[k] : *s.of_qdd->all()[k - s.of_tau.all().size()];
   const int n = model.dof();
   Eigen::MatrixXd out(n, n * n);
   for (int j = 0; j < n; ++j) out.middleCols(j * n, n) = cube.slab(j);
@@ -209,16 +206,20 @@ DerivativeQuantities::~DerivativeQuantities() = default;
 
 void DerivativeQuantities::require(DerivativeQuantity quantity) const {
   if (!isSecond(quantity)) return;
+  const scene::Scene& scene = parts_->scene;
   const long n = parts_->model.dof();
   if (n * n * n > kMostNumbers)
     throw scene::InputError(
-        {}, fmt::format("{} of {} rates has {} numbers a state, allowed: at most {}, or first "
-                        "derivatives",
-                        name(quantity), n, n * n * n, kMostNumbers));
-  if (parts_->scene.mechanism.hasGearedRotors())
-    throw scene::InputError({}, fmt::format("{} of a scene with rotors that are geared to several "
-                                            "rates, allowed: scenes without, or first derivatives",
-                                            name(quantity)));
+        {scene.file.string(), 0},
+        fmt::format("{} of {} rates has {} numbers a state, allowed: at most {}, or first "
+                    "derivatives",
+                    name(quantity), n, n * n * n, kMostNumbers));
+  for (const scene::Link& link : scene.mechanism.links)
+    if (!link.joint.rotors.empty())
+      throw scene::InputError(
+          link.where, fmt::format("{}: joint \"{}\" has rotors geared to several rates, allowed: "
+                                  "scenes without, or first derivatives",
+                                  name(quantity), link.joint.name));
 }
 
 std::vector<std::string> DerivativeQuantities::columns(DerivativeQuantity quantity) const {
@@ -240,12 +241,12 @@ std::vector<std::string> DerivativeQuantities::columns(DerivativeQuantity quanti
   for (int i = 1; i <= n; ++i)
     for (int j = 1; j <= n; ++j) {
       const std::string entry = fmt::format("{}{}{}_d{}{}", isSecond(quantity) ? "d2" : "d",
-                                            letters.of, i, letters.by[0], j);
+                                            letters.of, i, letters.by, j);
       if (!isSecond(quantity)) {
         out.push_back(entry);
         continue;
       }
-      for (int k = 1; k <= n; ++k) out.push_back(fmt::format("{}_d{}{}", entry, letters.by[1], k));
+      for (int k = 1; k <= n; ++k) out.push_back(fmt::format("{}_d{}{}", entry, letters.second, k));
     }
   return out;
 }
@@ -282,9 +283,8 @@ Eigen::MatrixXd DerivativeQuantities::value(DerivativeQuantity quantity,
   Parts& p = *parts_;
   // what the quantity does not hang on may be missing
   const std::vector<double> none(p.qdd.size(), 0.0);
-  const auto& by = lettersOf(quantity).by;
-  if (quantity != DerivativeQuantity::kCoriolis &&
-      std::find(by.begin(), by.end(), "qd") != by.end())
+  const std::vector<std::string> by = lettersOf(quantity).all();
+  if (quantity != DerivativeQuantity::kCoriolis && std::count(by.begin(), by.end(), "qd") > 0)
     p.requireMoving(state);
   if (isSecond(quantity)) return p.secondDerivatives(quantity, state);
   if (quantity == DerivativeQuantity::kCoriolis)

@@ -24,10 +24,12 @@ namespace dynwitness::crosscheck {
                  dM/dt - 2 C is skew-symmetric
       Y          n x p, the regressor (recursive/regressor.hpp): d tau by the inertial parameters,
                  tau = Y pi less springs, friction and loads, of the state's qdd
-    and n x n^2 each, columns (1, 1), (1, 2), ... of the second derivatives
-    (recursive/second_derivatives.hpp), those that are not zero by nature:
-      d2tau_dq_dq, d2tau_dq_dqd, d2tau_dqd_dqd, d2tau_dq_dqdd (dM/dq)
-      d2qdd_dq_dq, d2qdd_dq_dqd, d2qdd_dqd_dqd, d2qdd_dq_dtau (d(1/M)/dq)
+    and n x n^2 each the second derivatives (recursive/second_derivatives.hpp) that are not zero by
+    nature: column (j - 1) n + k has what changes along j of the derivative by the k-th
+      d2tau_dq_dq    of the tau that the state's qdd takes
+      d2tau_dq_dqd, d2tau_dqd_dqd, d2tau_dq_dqdd (dM/dq)         whatever qdd
+      d2qdd_dq_dq    of the qdd that the state's tau makes
+      d2qdd_dq_dqd, d2qdd_dqd_dqd, d2qdd_dq_dtau (d(1/M)/dq)     whatever tau
     Of spherical and floating joints q_j moves as at a unit rate qd_j: along the body's axes. */
 enum class DerivativeQuantity {
   kDtauDq,

@@ -79,10 +79,7 @@ void putWitnesses(std::string* page, const CrosscheckResult& result) {
     put(page, "<tr><th scope=\"row\">{}</th><td class=\"nowrap\">{}</td><td>{}", esc(witness.name),
         witness.version.empty() ? "–" : esc(witness.version), esc(witness.method));
     if (!witness.present)
-      put(page, " {}",
-          badge(Verdict::kNotAnswerable,
-                "absent: " + (witness.absent.empty() ? "not found when dynwitness was built"
-                                                     : witness.absent)));
+      put(page, " {}", badge(Verdict::kNotAnswerable, "absent: " + witness.absent));
     if (!witness.conventions.empty()) putConventions(page, witness.conventions);
     put(page, "</td></tr>\n");
   }

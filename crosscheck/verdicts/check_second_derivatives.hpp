@@ -12,8 +12,8 @@ namespace dynwitness::crosscheck {
 
 /** At one seeded state the sweep of recursive/second_derivatives.hpp in double, entry by entry
     within its running error bounds of what it says in balls, with its digits. (That the formula is
-    the right one is decided over the field: exact/second_derivative_checks.hpp.) Where rotors are
-    geared to several rates: not answerable, and why.
+    the right one is decided over the field: exact/second_derivative_checks.hpp.) Where the
+    sweep does not go (whyNoSecondSweep()): not answerable, and why.
     @param answering  what is answered in double instead of the scene: tests plant their errors
       there */
 std::vector<CheckResult> checkSecondDerivatives(const PreparedScene& scene, const Options& options,

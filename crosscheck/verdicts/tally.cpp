@@ -25,6 +25,11 @@ std::string entryName(const std::string& quantity, Eigen::Index row, Eigen::Inde
   return fmt::format("{}[{},{}]", quantity, row + 1, column + 1);
 }
 
+std::string Tally::nameOf(Eigen::Index row, Eigen::Index column,
+                          const Eigen::MatrixXd& shape) const {
+  return name_ ? name_(row, column) : entryName(result_.quantity, row, column, shape);
+}
+
 void Tally::add(int state, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
                 const Eigen::MatrixXd& limit, const std::string& excuse) {
   if (left.rows() != right.rows() || left.cols() != right.cols()) {
@@ -51,7 +56,7 @@ void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
     for (Eigen::Index i = 0; i < difference.rows(); ++i) {
       const double residual = std::abs(difference(i, j));
       if (!std::isfinite(limit(i, j))) {
-        if (unbounded.empty()) unbounded = entryName(result_.quantity, i, j, difference);
+        if (unbounded.empty()) unbounded = nameOf(i, j, difference);
         continue;
       }
       result_.seen = std::max(result_.seen, residual);
@@ -63,7 +68,7 @@ void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
         result_.worst = residual / ulp;
         result_.limit = limit(i, j) / ulp;
         result_.worst_state = state;
-        result_.worst_entry = entryName(result_.quantity, i, j, difference);
+        result_.worst_entry = nameOf(i, j, difference);
       }
     }
   }

@@ -2,6 +2,7 @@
 // What "agree" means: residuals against proven limits, collected over states.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <Eigen/Core>
@@ -18,7 +19,11 @@ inline constexpr double kWidestLimit = 1e4;
     that entry; what is reported is the entry and state that use the largest part of their limit. */
 class Tally {
  public:
-  explicit Tally(CheckResult description) : result_(std::move(description)) {}
+  /// What an entry is called.
+  using EntryName = std::function<std::string(Eigen::Index row, Eigen::Index column)>;
+  /// @param name  none: entryName()
+  explicit Tally(CheckResult description, EntryName name = {})
+      : result_(std::move(description)), name_(std::move(name)) {}
 
   /** limit: entry by entry, same shape as left and right; an entry that is not finite says that no
       limit could be proven, and voids the state (its other entries may still disagree).
@@ -38,7 +43,10 @@ class Tally {
   CheckResult result() const;
 
  private:
+  std::string nameOf(Eigen::Index row, Eigen::Index column, const Eigen::MatrixXd& shape) const;
+
   CheckResult result_;
+  EntryName name_;
   double largest_there_ = 0;  ///< at the state of the largest share
 };
 

@@ -41,10 +41,11 @@ class Summed : public OverTree {
                        "rotors geared to several rates turn in the world of the tree that it is "
                        "asked about, and have no part in the mechanism's momentum");
     if (held_ && of_tree_->answers(Quantity::kReactions))
-      out.emplace_back(Quantity::kReactions,
-                       "a gyroscopic rotor is on a link that a fixed joint holds in the world: in "
-                       "the tree that it is asked about it turns in the world, and that joint does "
-                       "not feel it");
+      out.emplace_back(
+          Quantity::kReactions,
+          "a fixed joint holds the link of a gyroscopic rotor in the world: in the tree that "
+          "this witness is asked about the rotor turns in the world itself, so that "
+          "the joint does not bear it");
     if (!answers(Quantity::kQdd))
       out.emplace_back(Quantity::kQdd,
                        fmt::format("where joints follow others qdd is solved from M and tau of the "

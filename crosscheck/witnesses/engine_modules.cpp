@@ -49,7 +49,7 @@ bool isConfigured(const std::string& engine) {
 }
 
 Loaded load(const std::string& engine) {
-  if (!isConfigured(engine)) return {nullptr, nullptr, "not found when dynwitness was configured"};
+  if (!isConfigured(engine)) return {nullptr, nullptr, kNotFound};
   const fs::path folder = ownProgram().parent_path();
   if (folder.empty()) return {nullptr, nullptr, "the system does not tell where this program is"};
   // programs are in bin/, tests beside it
@@ -95,8 +95,9 @@ WitnessKind kindOf(const std::string& engine, const EngineWords& words) {
   WitnessInfo info;
   info.name = words.name;
   info.method = words.method;
-  info.absent = its.why_not;
-  return absentKind(std::move(info), its.why_not);
+  return absentKind(std::move(info), its.module == nullptr
+                                         ? its.why_not
+                                         : fmt::format("its module has no witness {}", words.name));
 }
 
 }  // namespace

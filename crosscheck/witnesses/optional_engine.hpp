@@ -62,9 +62,13 @@ WitnessKind engineKind(WitnessInfo info, Arguments... arguments) {
           [=](const PreparedScene& scene) { return makeWitness<W>(scene, arguments...); }};
 }
 
+/// Why an engine is absent that dynwitness was built without.
+inline constexpr const char* kNotFound = "not found when dynwitness was built";
+
 /// A kind that is not there for a reason that no scene changes.
 inline WitnessKind absentKind(WitnessInfo info, const std::string& reason) {
   info.present = false;
+  info.absent = reason;
   return {std::move(info), [reason](const PreparedScene&) { return Refusal{reason}; }};
 }
 
@@ -73,7 +77,7 @@ inline WitnessKind absentKind(const std::string& name, const std::string& method
   WitnessInfo info;
   info.name = name;
   info.method = method;
-  return absentKind(std::move(info), "not found when dynwitness was configured");
+  return absentKind(std::move(info), kNotFound);
 }
 
 }  // namespace dynwitness::crosscheck

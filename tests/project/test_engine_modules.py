@@ -108,6 +108,11 @@ with tempfile.TemporaryDirectory() as folder:
         assert answer.returncode == 0, answer
         assert LEFT_OUT + "its module is missing: " in answer.stderr, answer
         assert "\nwithout simbody: its module is missing: " in answer.stdout, answer
+    # whom nobody asked is not missed
+    answer = said("crosscheck", "simple_pendulum", "--witness", "lagrange,newton_euler", "--random",
+                  "2", "--no-charts", "--no-drift", "-o", Path(folder) / "chosen")
+    assert answer.returncode == 0 and LEFT_OUT not in answer.stderr, answer
+    assert "without simbody" not in answer.stdout, answer
     report = json.loads((report_folder / "report.json").read_text())
     simbody = next(w for w in report["witnesses"] if w["name"] == "simbody")
     assert not simbody["present"] and "its module is missing" in simbody["absent"], simbody

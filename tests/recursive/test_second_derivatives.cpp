@@ -204,6 +204,12 @@ BOOST_AUTO_TEST_CASE(what_is_refused) {
   BOOST_CHECK_EXCEPTION(
       inverseDynamicsSecondDerivatives(model, x, two, two, room, small), std::invalid_argument,
       says("inverseDynamicsSecondDerivatives: out: expected 2 joint values, got 1"));
+  ForwardDynamicsSecondDerivatives<double> short_one(model);
+  short_one.d2qdd_dq_dq = Cube<double>(3);
+  BOOST_CHECK_EXCEPTION(
+      forwardDynamicsSecondDerivatives(model, x, two, two, room, of, short_one),
+      std::invalid_argument,
+      says("forwardDynamicsSecondDerivatives: out: expected 2 joint values, got 3"));
   model.rotors.push_back({0, {1, 1}, 1, -1, Vector3<double>::UnitZ()});
   BOOST_CHECK_EXCEPTION(
       inverseDynamicsSecondDerivatives(model, x, two, two, room, of), std::invalid_argument,

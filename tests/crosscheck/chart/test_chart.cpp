@@ -22,6 +22,7 @@
 #include "crosscheck/report/chart_drawing.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/system/gnuplot.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/error.hpp"
 
@@ -195,11 +196,10 @@ BOOST_AUTO_TEST_CASE(an_exact_answer_has_no_error) {
 }
 
 BOOST_AUTO_TEST_CASE(what_cannot_be_asked_is_left_out_with_its_reason) {
-  WitnessKind absent = plantedKind(0);
-  absent.info.present = false;
+  const WitnessKind absent = absentKind(plantedKind(0).info, "no such engine");
   const Chart tau = speedAccuracy(scene::findScene("acrobot"), Quantity::kTau, {absent}, 2);
   BOOST_REQUIRE(tau.left_out.size() == 1u);
-  BOOST_TEST(tau.left_out[0] == "planted: absent from this build");
+  BOOST_TEST(tau.left_out[0] == "planted: no such engine");
   const Chart M = speedAccuracy(scene::findScene("acrobot"), Quantity::kM, {plantedKind(0)}, 2);
   BOOST_REQUIRE(M.left_out.size() == 1u);
   BOOST_TEST(M.left_out[0] == "planted: does not answer M");

@@ -485,6 +485,16 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(derivatives)
 
+BOOST_AUTO_TEST_CASE(second_derivatives_that_there_are_not) {
+  const Program program;
+  refuses(program, "evaluate chain_300 --quantity d2tau_dq_dq",
+          "of 300 rates has 27000000 numbers a state, allowed: at most 10000000");
+  refuses(program, "evaluate differential_wrist --quantity d2qdd_dq_dtau",
+          "has rotors geared to several rates, allowed: scenes without, or first derivatives");
+  refuses(program, "evaluate puma_560_friction --quantity d2tau_dq_dqd",
+          "has Coulomb friction and rests");
+}
+
 // Against central differences of tau and qdd themselves, asked of a scene that turns and slides:
 // h^2 / 6 of a third derivative is 1e-10 of the largest entry or so, a column in another place all
 // of it. Angles and lengths have units of their own.

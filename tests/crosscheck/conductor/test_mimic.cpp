@@ -450,7 +450,7 @@ BOOST_AUTO_TEST_CASE(a_joint_that_holds_the_carrier_feels_them) {
   for (const auto& [quantity, reason] : dynamic_cast<const PartialWitness&>(*simbody).leftOut())
     if (quantity == Quantity::kReactions) reasons.push_back(reason);
   BOOST_REQUIRE(reasons.size() == 1u);
-  BOOST_TEST(reasons[0].find("fixed joint holds in the world") != std::string::npos, reasons[0]);
+  BOOST_TEST(reasons[0].find("the joint does not bear it") != std::string::npos, reasons[0]);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -2,7 +2,7 @@
 // Second derivatives as checks: who is asked, what is seen of a fault, and whether the limits bite.
 #include "crosscheck/exact/second_derivative_checks.hpp"
 
-#include <set>
+#include <algorithm>
 
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
@@ -13,6 +13,7 @@
 #include "crosscheck/verdicts/check_second_derivatives.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/tally.hpp"
+#include "scene/families.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -70,8 +71,31 @@ BOOST_AUTO_TEST_CASE(answers_of_another_arm_are_beyond_their_limits) {
     BOOST_TEST((check.verdict == Verdict::kDisagree), check.statement);
 }
 
-// `evaluate` and reports use one set of names.
+// Beyond 40 rates the sweep is not asked, and says so; the others are.
+BOOST_AUTO_TEST_CASE(long_chains_are_told) {
+  scene::Scene scene;
+  BOOST_REQUIRE(scene::findFamily("chain_50", &scene));
+  for (const CheckResult& check : checkSecondDerivatives(scene, {})) {
+    BOOST_TEST((check.verdict == Verdict::kNotAnswerable));
+    BOOST_TEST(check.reason.find("125000 numbers each") != std::string::npos, check.reason);
+  }
+  const std::vector<CheckResult> exact = checkSecondDerivativesExactly(scene, {});
+  BOOST_TEST(exact.size() == 8u);
+  for (const CheckResult& check : exact)
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.statement << ": " << check.reason);
+}
+
+// An entry is named by row, first and second direction.
+BOOST_AUTO_TEST_CASE(entries_have_three_indices) {
+  for (const CheckResult& check : checkSecondDerivatives(scene::findScene("planar_3r"), {}))
+    BOOST_TEST(std::count(check.worst_entry.begin(), check.worst_entry.end(), ',') == 2,
+               check.worst_entry);
+}
+
+// `evaluate` and reports use one set of names, in one order.
 BOOST_AUTO_TEST_CASE(quantities_have_the_names_that_evaluate_knows) {
-  for (const char* name : kSecondDerivativeNames)
-    BOOST_TEST(derivativeQuantityNamed(name).has_value(), name);
+  for (std::size_t k = 0; k < kSecondDerivativeNames.size(); ++k)
+    BOOST_TEST(name(static_cast<DerivativeQuantity>(
+                   static_cast<std::size_t>(DerivativeQuantity::kD2tauDqDq) + k)) ==
+               std::string(kSecondDerivativeNames[k]));
 }

@@ -145,7 +145,7 @@ std::string whyNotMujoco(const PreparedScene& scene) {
   return "no such road";
 }
 
-const std::string kAbsent = "not found when dynwitness was configured";
+const std::string kAbsent = "not found when dynwitness was built";
 
 }  // namespace
 

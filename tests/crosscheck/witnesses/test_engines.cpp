@@ -246,7 +246,7 @@ BOOST_AUTO_TEST_CASE(an_absent_engine_says_that_it_is_absent) {
     if (engine.info.present) continue;
     const MadeWitness made = engine.make(scene);
     BOOST_TEST_REQUIRE(made.isRefused());
-    BOOST_TEST(made.refusal() == "not found when dynwitness was configured");
+    BOOST_TEST(made.refusal() == "not found when dynwitness was built");
   }
 }
 
