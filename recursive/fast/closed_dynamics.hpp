@@ -14,6 +14,7 @@
 #include "recursive/fast/sine_cosine.hpp"
 #include "recursive/point_springs.hpp"
 #include "recursive/semidefinite.hpp"
+#include "recursive/tree_factorization.hpp"
 
 namespace dynwitness::recursive::fast {
 
@@ -35,6 +36,7 @@ namespace dynwitness::recursive::fast {
 class ClosedDynamics {
  public:
   /// @param closures  of the model
+  /// @throws std::invalid_argument  joints follow others, or rotors are geared to several rates
   ClosedDynamics(const Model<double>& model, Constraints<double> closures,
                  std::vector<PointSpring<double>> springs = {})
       : model_(model),
@@ -45,7 +47,7 @@ class ClosedDynamics {
         of_bias_(plan_),
         of_M_(plan_),
         x_(model_.positions),
-        inboard_(inboardRates(model_)),
+        inboard_(recursive::inboardRates(model_)),
         run_(firstOfRuns(inboard_)),
         qd_(model_.dof()),
         pull_(model_.dof()),
@@ -96,22 +98,6 @@ class ClosedDynamics {
  private:
   double* M(int i) { return &M_[static_cast<std::size_t>(i) * model_.dof()]; }
   double* Y(int i) { return &Y_[static_cast<std::size_t>(i) * closures_.rows()]; }
-
-  /// By rate: the one before it on the way to the world, -1: none.
-  static std::vector<int> inboardRates(const Model<double>& model) {
-    std::vector<int> inboard(static_cast<std::size_t>(model.dof()), -1),
-        last(model.links.size(), -1);
-    for (std::size_t i = 0; i < model.links.size(); ++i) {
-      const LinkModel<double>& link = model.links[i];
-      int before = link.parent < 0 ? -1 : last[static_cast<std::size_t>(link.parent)];
-      for (int k = 0; k < AnyJoints::axes(link); ++k) {
-        inboard[static_cast<std::size_t>(link.dof + k)] = before;
-        before = link.dof + k;
-      }
-      last[i] = before;
-    }
-    return inboard;
-  }
 
   /// By rate: the first of consecutive ones that ends with it, each inboard of the next.
   static std::vector<int> firstOfRuns(const std::vector<int>& inboard) {
