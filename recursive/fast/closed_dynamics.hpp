@@ -140,7 +140,7 @@ class ClosedDynamics {
       is_seen_[i] = 0;
       for (int k = 0; k < m; ++k) {
         Y(i)[k] = closures_.J(k, i);
-        is_seen_[i] = is_seen_[i] || Y(i)[k] != 0;
+        if (Y(i)[k] != 0) is_seen_[i] = 1;
       }
     }
     for (int i = n - 1; i >= 0; --i) {
