@@ -24,8 +24,9 @@ std::vector<CheckResult> exactChecks(const PreparedScene& prepared, const ExactO
   };
   const DerivedPrograms& derived = prepared.derived(options.parameters == Parameters::kAsWritten);
   add(checkPointsExactly(scene, options));
-  add(checkDerivativesExactly(scene, options, derived));
-  add(checkSecondDerivativesExactly(scene, options, derived));
+  const LagrangeDerivatives derivatives(derived.forces());
+  add(checkDerivativesExactly(scene, options, derivatives));
+  add(checkSecondDerivativesExactly(scene, options, derivatives));
   add(checkClosuresExactly(scene, options, derived));
   add(checkRegressorExactly(scene, options));
   add(checkConstrainedExactly(scene, options, derived));

@@ -3,7 +3,6 @@
 
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/verdicts/check_derivatives.hpp"
-#include "crosscheck/witnesses/lagrange.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -11,21 +10,20 @@ std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
                                                  const scene::Mechanism* derived) {
   return checkDerivativesExactly(scene, options,
-                                 DerivedPrograms(derived ? *derived : scene.mechanism,
-                                                 options.parameters == Parameters::kAsWritten));
+                                 LagrangeDerivatives(derived ? *derived : scene.mechanism,
+                                                     options.parameters == Parameters::kAsWritten));
 }
 
 std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
-                                                 const DerivedPrograms& derived) {
+                                                 const LagrangeDerivatives& derived) {
   const scene::Mechanism& mechanism = scene.mechanism;
-  const LagrangeDerivatives programs(derived.forces());
   const std::vector<DerivativePair> pairs = derivativePairs(mechanism);
   Inquiry inquiry;
   for (const DerivativePair& pair : pairs) inquiry.checks.push_back(inWords(pair));
   inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state,
                     const std::vector<char>&) {
-    DerivativeRoads<PrimeField> roads(mechanism, programs, number);
+    DerivativeRoads<PrimeField> roads(mechanism, derived, number);
     roads.at(state);
     SidesOfAll sides;
     for (const DerivativePair& pair : pairs) sides.push_back(roads.sides(pair));

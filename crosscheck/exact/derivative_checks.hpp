@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "crosscheck/exact/exact.hpp"
+#include "crosscheck/witnesses/lagrange_derivatives.hpp"
 
 namespace dynwitness::crosscheck {
 
-/// Every pair of laws/derivative_roads.hpp. @param derived  what Lagrange's side goes on from
+/// Every pair of laws/derivative_roads.hpp. @param derived  what Lagrange's side says
 std::vector<CheckResult> checkDerivativesExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
-                                                 const DerivedPrograms& derived);
+                                                 const LagrangeDerivatives& derived);
 
 /** The same.
     @param derived  what Lagrange's side is derived from instead of the scene: tests plant their

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/exact/second_derivative_checks.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/laws/second_derivative_roads.hpp"
-#include "crosscheck/witnesses/lagrange.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -27,27 +28,36 @@ std::vector<CheckResult> checkSecondDerivativesExactly(const scene::Scene& scene
                                                        const scene::Mechanism* derived) {
   return checkSecondDerivativesExactly(
       scene, options,
-      DerivedPrograms(derived ? *derived : scene.mechanism,
-                      options.parameters == Parameters::kAsWritten));
+      LagrangeDerivatives(derived ? *derived : scene.mechanism,
+                          options.parameters == Parameters::kAsWritten));
 }
 
 std::vector<CheckResult> checkSecondDerivativesExactly(const scene::Scene& scene,
                                                        const ExactOptions& options,
-                                                       const DerivedPrograms& derived) {
+                                                       const LagrangeDerivatives& derived) {
   const scene::Mechanism& mechanism = scene.mechanism;
-  const LagrangeDerivatives programs(derived.forces());
-  const std::vector<SecondPair> pairs = secondPairs(mechanism);
-  Inquiry inquiry;
-  for (const SecondPair& pair : pairs) inquiry.checks.push_back(inWords(pair));
-  inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state,
-                    const std::vector<char>&) {
-    SecondDerivativeRoads<PrimeField> roads(mechanism, programs, number);
-    roads.at(state);
-    SidesOfAll sides;
-    for (const SecondPair& pair : pairs) sides.push_back(roads.sides(pair));
-    return sides;
-  };
-  return decide(scene, inquiry, options);
+  std::vector<CheckResult> checks;
+  // apart, since degrees of qdd grow with every joint that is solved for
+  for (const bool of_forces : {true, false}) {
+    std::vector<SecondPair> pairs;
+    Inquiry inquiry;
+    for (const SecondPair& pair : secondPairs(mechanism)) {
+      if (isOfForces(pair.quantity) != of_forces) continue;
+      pairs.push_back(pair);
+      inquiry.checks.push_back(inWords(pair));
+    }
+    inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state,
+                      const std::vector<char>& wanted) {
+      SecondDerivativeRoads<PrimeField> roads(mechanism, derived, number);
+      roads.at(state);
+      SidesOfAll sides(pairs.size());
+      for (std::size_t i = 0; i < pairs.size(); ++i)
+        if (wanted[i] != 0) sides[i] = roads.sides(pairs[i]);
+      return sides;
+    };
+    for (CheckResult& check : decide(scene, inquiry, options)) checks.push_back(std::move(check));
+  }
+  return checks;
 }
 
 }  // namespace dynwitness::crosscheck

@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "crosscheck/exact/exact.hpp"
+#include "crosscheck/witnesses/lagrange_derivatives.hpp"
 
 namespace dynwitness::crosscheck {
 
 /// Every pair of laws/second_derivative_roads.hpp.
-/// @param derived  what Lagrange's side goes on from
+/// @param derived  what Lagrange's side says
 std::vector<CheckResult> checkSecondDerivativesExactly(const scene::Scene& scene,
                                                        const ExactOptions& options,
-                                                       const DerivedPrograms& derived);
+                                                       const LagrangeDerivatives& derived);
 
 /** The same.
     @param derived  what Lagrange's side is derived from instead of the scene: tests plant their

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "crosscheck/laws/law.hpp"
-#include "crosscheck/laws/second_derivative_names.hpp"
+#include "crosscheck/laws/second_derivative_pairs.hpp"
 #include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/scalars/moving_state.hpp"
 #include "crosscheck/witnesses/lagrange_derivatives.hpp"
@@ -21,37 +21,6 @@
 #include "recursive/second_derivatives.hpp"
 
 namespace dynwitness::crosscheck {
-
-/** Who differentiates twice:
-      lagrange      T and V once more (LagrangeDerivatives), those on dual numbers; for qdd its own
-                    M solved with
-      dual_numbers  the sweeps on dual numbers of dual numbers: Newton and Euler for tau,
-                    articulated bodies for qdd
-      derivatives   the sweep of recursive/second_derivatives.hpp
-    The first two along a first direction w, then a second u; the last has every entry. */
-enum class SecondRoad { kLagrange, kDualNumbers, kSweep };
-inline const char* name(SecondRoad road) {
-  constexpr const char* kNames[] = {"lagrange", "dual_numbers", "derivatives"};
-  return kNames[static_cast<int>(road)];
-}
-
-/// A quantity by two roads.
-struct SecondPair {
-  SecondDerivative quantity;
-  SecondRoad left, right;
-};
-inline std::vector<SecondPair> secondPairs(const scene::Mechanism& mechanism) {
-  const bool has_sweep = whyNoSecondSweep(mechanism).empty();
-  std::vector<SecondPair> pairs;
-  for (std::size_t k = 0; k < kSecondDerivativeNames.size(); ++k) {
-    const auto quantity = static_cast<SecondDerivative>(k);
-    pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kDualNumbers});
-    if (!has_sweep) continue;
-    pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kSweep});
-    pairs.push_back({quantity, SecondRoad::kDualNumbers, SecondRoad::kSweep});
-  }
-  return pairs;
-}
 
 /** One mechanism in the arithmetic of T, moved from state to state; each road is gone once a state.
 
@@ -86,7 +55,7 @@ class SecondDerivativeRoads {
     state_.tau.assign(u_.size(), T(0));
     recursive::inverseDynamics(model_, state_.x, state_.qd, state_.qdd, ws_, state_.tau);
     said_.clear();
-    is_swept_ = false;
+    has_forces_ = has_accelerations_ = false;
     return *this;
   }
   TwoSides<T> sides(const SecondPair& pair) {
@@ -193,13 +162,18 @@ class SecondDerivativeRoads {
     return column;
   }
   MatrixX<T> bySweep(SecondDerivative quantity) {
-    if (!is_swept_)
+    const bool of_forces = isOfForces(quantity);
+    if (of_forces && !has_forces_)
+      recursive::inverseDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd, room_,
+                                                  of_tau_);
+    if (!of_forces && !has_accelerations_)
       recursive::forwardDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd, room_,
                                                   of_tau_, of_qdd_);
-    is_swept_ = true;
+    has_forces_ = true;
+    has_accelerations_ = has_accelerations_ || !of_forces;
     const auto k = static_cast<std::size_t>(quantity);
     const recursive::Cube<T>& cube =
-        isOfForces(quantity) ? *of_tau_.all()[k] : *of_qdd_.all()[k - of_tau_.all().size()];
+        of_forces ? *of_tau_.all()[k] : *of_qdd_.all()[k - of_tau_.all().size()];
     const MatrixX<T> u = Eigen::Map<const MatrixX<T>>(u_.data(), model_.dof(), 1);
     MatrixX<T> sum = MatrixX<T>::Constant(model_.dof(), 1, T(0));
     for (int j = 0; j < model_.dof(); ++j)
@@ -218,7 +192,7 @@ class SecondDerivativeRoads {
   LagrangeDerivativesRun<Once> lagrange_;
   scene::State<T> state_;
   std::vector<T> u_, w_;
-  bool is_swept_ = false;
+  bool has_forces_ = false, has_accelerations_ = false;  ///< by the sweep
   std::map<std::pair<SecondDerivative, SecondRoad>, Said> said_;
 };
 

@@ -70,7 +70,6 @@ Road roadOf(const std::string& name) {
                                                     {"dense_system", Road::kMassMatrix},
                                                     {"hybrid_sweep", Road::kSweep},
                                                     {"loops_eliminated", Road::kSweep},
-                                                    {"fast_closed", Road::kMassMatrix},
                                                     {"mujoco", Road::kMassMatrix},
                                                     {"mujoco_principal", Road::kMassMatrix},
                                                     {"kdl", Road::kMassMatrix},

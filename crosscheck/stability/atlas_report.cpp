@@ -99,7 +99,6 @@ Look lookOf(const std::string& method) {
                                                     {"kernel_lanes", {16, "pt 1"}},
                                                     {"hybrid_sweep", {3}},
                                                     {"loops_eliminated", {3}},
-                                                    {"fast_closed", {4}},
                                                     {"lagrange_multipliers", {1}},
                                                     {"dense_system", {2}},
                                                     {"newton_euler float", {2, "dt 3 pt 4"}},

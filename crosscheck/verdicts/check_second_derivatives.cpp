@@ -10,7 +10,7 @@
 
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/laws/narrow_sides.hpp"
-#include "crosscheck/laws/second_derivative_names.hpp"
+#include "crosscheck/laws/second_derivative_pairs.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/build_model.hpp"

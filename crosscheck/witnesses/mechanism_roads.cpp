@@ -17,8 +17,6 @@
 #include "crosscheck/witnesses/lagrange.hpp"
 #include "crosscheck/witnesses/mechanism_formulas.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
-#include "recursive/build_model.hpp"
-#include "recursive/fast/closed_dynamics.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -164,48 +162,6 @@ void giveLimits(const MechanismAnswer& dense, double turns, MechanismAnswer& out
       out.parts[q].bound(i) = turns * largest[i / 3 % 2];
   }
 }
-
-/// The sweeps made for speed. In the order of their own they do what the dense system does, on its
-/// numbers, so that its limits are theirs.
-class FastRoad : public MechanismRoad {
- public:
-  explicit FastRoad(const PreparedScene& scene)
-      : dense_(scene), dynamics_(dynamicsOf(scene.mechanism())) {}
-  const std::string& name() const override { return name_; }
-
-  MechanismAnswer answer(const MechanismState& at) override {
-    std::vector<double> q;
-    for (const scene::JointPosition<double>& x : at.state.x) q.push_back(x.q);
-    Eigen::VectorXd qdd(static_cast<Eigen::Index>(at.state.qd.size()));
-    dynamics_.forwardDynamics(q.data(), at.state.qd.data(), at.state.tau.data(), qdd.data());
-    MechanismAnswer out;
-    out[MechanismQuantity::kQdd].value = qdd;
-    out[MechanismQuantity::kConstraintForce].value =
-        dynamics_.closures().J.transpose() * dynamics_.multipliers();
-    giveLimits(dense_.answer(at), 1, out);
-    return out;
-  }
-  std::string whyLeftOut(MechanismQuantity quantity) const override {
-    return quantity == MechanismQuantity::kReactions
-               ? "it is made for accelerations, and tells no reactions"
-               : "which equations stand for all it finds itself; J' lambda is compared";
-  }
-
- private:
-  static recursive::fast::ClosedDynamics dynamicsOf(const scene::Mechanism& mechanism) {
-    requireOwnRates(mechanism);
-    if (mechanism.isDriven() || !mechanism.acceleration_constraints.empty())
-      throw std::invalid_argument("it knows no drives and no constraints of accelerations");
-    const scene::RealNumbers<double> number(mechanism);
-    const recursive::Model<double> model = recursive::buildModel(mechanism, number);
-    return {model, recursive::buildConstraints(mechanism, number, model),
-            recursive::buildPointSprings(mechanism, number, model)};
-  }
-
-  std::string name_ = "fast_closed";
-  OwnRoad<DenseSystem> dense_;
-  recursive::fast::ClosedDynamics dynamics_;
-};
 
 class SimbodyRoad : public MechanismRoad {
  public:
@@ -366,12 +322,10 @@ std::shared_ptr<MechanismRoad> certifiedMechanism(const PreparedScene& scene) {
 
 std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene) {
   std::vector<NamedRoad> roads;
-  if (scene.mechanism().closures.empty()) {
+  if (scene.mechanism().closures.empty())
     roads.push_back(made<OwnRoad<HybridSweep>>(HybridSweep::kName, scene));
-  } else {
+  else
     roads.push_back(made<OwnRoad<LoopsEliminated>>(LoopsEliminated::kName, scene));
-    roads.push_back(made<FastRoad>("fast_closed", scene));
-  }
   roads.push_back(made<OwnRoad<LagrangeMultipliers>>(LagrangeMultipliers::kName, scene));
   roads.push_back(made<OwnRoad<DenseSystem>>(DenseSystem::kName, scene));
   roads.push_back(made<SimbodyRoad>("simbody", scene));

@@ -83,8 +83,6 @@ struct NamedRoad {
 
 /** All of them:
       loops_eliminated   closures: articulated bodies, each loop eliminated where it closes
-      fast_closed        closures: M by the fast sweeps, factored along the tree
-                         (recursive/fast/closed_dynamics.hpp)
       hybrid_sweep       no closures: hybrid dynamics, constraints by Popov and Vereshchagin
       lagrange_multipliers  one dense system, derived from T, V and the places of frames
       dense_system       the same made of M, bias, J and gamma of the sweeps
@@ -96,7 +94,7 @@ struct NamedRoad {
     (constrainedReactions()); lagrange_multipliers by multipliers of cut joints
     (symbolic::Reactions); dense_system by sweeps through the mechanism whose joints are cut, and
     where joints follow others, which the first two do not hold, as these; simbody by
-    calcMobilizerReactionForces; mujoco and fast_closed none. */
+    calcMobilizerReactionForces; mujoco none. */
 std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene);
 
 /** The certified truth: Lagrange's dense system in balls, the precision doubled until the radius of

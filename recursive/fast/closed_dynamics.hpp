@@ -32,6 +32,10 @@ namespace dynwitness::recursive::fast {
     allocates. One object serves one thread. Drives and acceleration constraints it does not know.
     closedForwardDynamics() eliminates loops where they close instead, in O(n).
 
+    N has the square of the condition that the closures have: where these are nearly redundant or
+    contradict each other, half as many digits are left as solving (1) whole leaves, and nothing
+    warns. It is for closures that are not.
+
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), section 6.5, for (2) */
 class ClosedDynamics {
  public:

@@ -18,6 +18,7 @@
 #include "crosscheck/laws/derivative_roads.hpp"
 #include "crosscheck/laws/identities.hpp"
 #include "crosscheck/laws/point_laws.hpp"
+#include "crosscheck/laws/second_derivative_pairs.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/options.hpp"
 
@@ -68,7 +69,8 @@ void requireAllZero(const scene::Mechanism& mechanism, const std::vector<CheckRe
   std::map<std::string, std::size_t> count;
   for (const CheckResult& check : checks) ++count[check.name()];
   // a kernel that is not worth having answers less
-  const std::size_t of_derivatives = derivativePairs(mechanism).size();
+  const std::size_t of_derivatives =
+      derivativePairs(mechanism).size() + secondPairs(mechanism).size();
   BOOST_TEST(count["same"] >= pairsOf(false) + of_derivatives);
   BOOST_TEST(count["same"] <= pairsOf(has_kernel) + of_derivatives);
   BOOST_TEST(count["regressor"] == 1u);
@@ -520,6 +522,7 @@ BOOST_AUTO_TEST_CASE(only_the_witnesses_asked_for_are_compared) {
   BOOST_TEST(exactChecks(scene::findScene("double_pendulum"), options).size() ==
              static_cast<std::size_t>(Identities::kCount + PointLaws::kCount) +
                  derivativePairs(scene::findScene("double_pendulum").mechanism).size() +
+                 secondPairs(scene::findScene("double_pendulum").mechanism).size() +
                  1);  // and the regressor
 }
 

@@ -8,7 +8,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/laws/second_derivative_names.hpp"
+#include "crosscheck/laws/second_derivative_pairs.hpp"
 #include "crosscheck/motion/derivative_quantities.hpp"
 #include "crosscheck/verdicts/check_second_derivatives.hpp"
 #include "crosscheck/verdicts/compare.hpp"
@@ -71,7 +71,7 @@ BOOST_AUTO_TEST_CASE(answers_of_another_arm_are_beyond_their_limits) {
     BOOST_TEST((check.verdict == Verdict::kDisagree), check.statement);
 }
 
-// Beyond 40 rates the sweep is not asked, and says so; the others are.
+// Beyond 40 rates the sweep is not asked, and says so; of tau the others are.
 BOOST_AUTO_TEST_CASE(long_chains_are_told) {
   scene::Scene scene;
   BOOST_REQUIRE(scene::findFamily("chain_50", &scene));
@@ -82,7 +82,9 @@ BOOST_AUTO_TEST_CASE(long_chains_are_told) {
   const std::vector<CheckResult> exact = checkSecondDerivativesExactly(scene, {});
   BOOST_TEST(exact.size() == 8u);
   for (const CheckResult& check : exact)
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.statement << ": " << check.reason);
+    BOOST_TEST((check.verdict == (check.quantity.rfind("d2tau", 0) == 0 ? Verdict::kAgree
+                                                                        : Verdict::kNotAnswerable)),
+               check.statement << ": " << check.reason);
 }
 
 // An entry is named by row, first and second direction.

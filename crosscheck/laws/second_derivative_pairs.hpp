@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which second derivatives of the equations of motion are asked about.
+// Which second derivatives of the equations of motion are asked about, and of whom.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -48,6 +49,37 @@ inline std::string whyNoSecondSweep(const scene::Mechanism& mechanism) {
                    "{} rates have second derivatives of {} numbers each: the sweep for them "
                    "is asked of at most {} rates",
                    n, 1L * n * n * n, kMostSecondRates);
+}
+
+/** Who differentiates twice:
+      lagrange      T and V once more (LagrangeDerivatives), those on dual numbers; for qdd its own
+                    M solved with
+      dual_numbers  the sweeps on dual numbers of dual numbers: Newton and Euler for tau,
+                    articulated bodies for qdd
+      derivatives   the sweep of recursive/second_derivatives.hpp
+    The first two along a first direction w, then a second u; the last has every entry. */
+enum class SecondRoad { kLagrange, kDualNumbers, kSweep };
+inline const char* name(SecondRoad road) {
+  constexpr const char* kNames[] = {"lagrange", "dual_numbers", "derivatives"};
+  return kNames[static_cast<int>(road)];
+}
+
+/// A quantity by two roads.
+struct SecondPair {
+  SecondDerivative quantity;
+  SecondRoad left, right;
+};
+inline std::vector<SecondPair> secondPairs(const scene::Mechanism& mechanism) {
+  const bool has_sweep = whyNoSecondSweep(mechanism).empty();
+  std::vector<SecondPair> pairs;
+  for (std::size_t k = 0; k < kSecondDerivativeNames.size(); ++k) {
+    const auto quantity = static_cast<SecondDerivative>(k);
+    pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kDualNumbers});
+    if (!has_sweep) continue;
+    pairs.push_back({quantity, SecondRoad::kLagrange, SecondRoad::kSweep});
+    pairs.push_back({quantity, SecondRoad::kDualNumbers, SecondRoad::kSweep});
+  }
+  return pairs;
 }
 
 }  // namespace dynwitness::crosscheck
