@@ -85,7 +85,7 @@ struct ForwardDynamicsSecondDerivatives {
   }
 };
 
-/// What the sweep writes on: sized once for a model. That of tau does not allocate.
+/// What the sweep writes on: sized once for a model.
 template <typename T>
 struct SecondDerivativesWorkspace {
   /// An axis inboard of the link in hand or its own, in that link's coordinates.

@@ -35,7 +35,6 @@ long allocations = 0;
 #include "recursive/fast/dynamics.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/regressor.hpp"
-#include "recursive/second_derivatives.hpp"
 #include "scene/scene.hpp"
 
 // the whole program's; the nothrow, array and sized forms of the library end up in these. Not
@@ -157,15 +156,6 @@ BOOST_DATA_TEST_CASE(the_fast_sweeps_allocate_nothing, data::make(kScenes), scen
                dynamics.forwardDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
              }) == 0);
   BOOST_TEST(b.out[0] != 0);
-}
-
-BOOST_DATA_TEST_CASE(second_derivatives_of_forces_allocate_nothing, data::make(kScenes), scene) {
-  Bench b(scene);
-  SecondDerivativesWorkspace<double> room(b.model);
-  InverseDynamicsSecondDerivatives<double> of_tau(b.model);
-  BOOST_TEST(allocationsIn([&] {
-               inverseDynamicsSecondDerivatives(b.model, b.x, b.qd, b.in, room, of_tau);
-             }) == 0);
 }
 
 BOOST_DATA_TEST_CASE(the_fast_derivatives_allocate_nothing, data::make(kScenes), scene) {
