@@ -401,20 +401,17 @@ void forwardDynamicsSecondDerivatives(const Model<T>& model, const std::vector<J
   const ForwardDynamicsDerivatives<T>& first = room.of_qdd;
   RowsX<T>& product = room.product;
   const int n = model.dof();
-  // of dM/dq_j: what stands on the right, but for the other order of two positions
+  // what stands on the right; dM/dq_j dqdd/dq in both orders of two positions
+  out.d2qdd_dq_dq = of_tau.d2tau_dq_dq;
+  out.d2qdd_dqd_dqd = of_tau.d2tau_dqd_dqd;
   for (int j = 0; j < n; ++j) {
     const auto dM = of_tau.d2tau_dq_dqdd.slab(j);
     product.noalias() = dM * first.dqdd_dq;
-    out.d2qdd_dq_dq.slab(j) = of_tau.d2tau_dq_dq.slab(j) + product;
+    out.d2qdd_dq_dq.slab(j) += product;
+    for (int k = 0; k < n; ++k) out.d2qdd_dq_dq.slab(k).col(j) += product.col(k);
     product.noalias() = dM * first.dqdd_dqd;
     out.d2qdd_dq_dqd.slab(j) = of_tau.d2tau_dq_dqd.slab(j) + product;
-    product.noalias() = dM * first.dqdd_dtau;
-    out.d2qdd_dq_dtau.slab(j) = product;
-    out.d2qdd_dqd_dqd.slab(j) = of_tau.d2tau_dqd_dqd.slab(j);
-  }
-  for (int k = 0; k < n; ++k) {
-    product.noalias() = of_tau.d2tau_dq_dqdd.slab(k) * first.dqdd_dq;
-    for (int j = 0; j < n; ++j) out.d2qdd_dq_dq.slab(j).col(k) += product.col(j);
+    out.d2qdd_dq_dtau.slab(j).noalias() = dM * first.dqdd_dtau;
   }
   for (int j = 0; j < n; ++j)
     for (Cube<T>* const cube : out.all()) {

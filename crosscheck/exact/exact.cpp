@@ -233,15 +233,10 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
   const std::vector<Pair> pairs = pairsOf(witnesses);
   Inquiry inquiry;
   for (const Pair& pair : pairs) {
-    CheckResult check;
-    check.kind = CheckKind::kSame;
-    check.quantity = name(pair.quantity);
-    check.left = witnesses[pair.left].name;
-    check.right = witnesses[pair.right].name;
-    check.left_is_control = witnesses[pair.left].is_control;
-    check.right_is_control = witnesses[pair.right].is_control;
-    check.statement =
-        fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
+    const ExactWitness &left = witnesses[pair.left], &right = witnesses[pair.right];
+    CheckResult check = sameInWords(name(pair.quantity), left.name, right.name);
+    check.left_is_control = left.is_control;
+    check.right_is_control = right.is_control;
     inquiry.checks.push_back(check);
   }
   inquiry.ask = [=](const FieldNumbers& number, const scene::State<PrimeField>& state,

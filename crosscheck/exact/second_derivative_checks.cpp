@@ -3,25 +3,10 @@
 
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/laws/second_derivative_roads.hpp"
 
 namespace dynwitness::crosscheck {
-namespace {
-
-CheckResult inWords(const SecondPair& pair) {
-  CheckResult check;
-  check.kind = CheckKind::kSame;
-  check.quantity = name(pair.quantity);
-  check.left = name(pair.left);
-  check.right = name(pair.right);
-  check.statement = fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
-  return check;
-}
-
-}  // namespace
 
 std::vector<CheckResult> checkSecondDerivativesExactly(const scene::Scene& scene,
                                                        const ExactOptions& options,
@@ -44,7 +29,7 @@ std::vector<CheckResult> checkSecondDerivativesExactly(const scene::Scene& scene
     for (const SecondPair& pair : secondPairs(mechanism)) {
       if (isOfForces(pair.quantity) != of_forces) continue;
       pairs.push_back(pair);
-      inquiry.checks.push_back(inWords(pair));
+      inquiry.checks.push_back(sameInWords(name(pair.quantity), name(pair.left), name(pair.right)));
     }
     inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state,
                       const std::vector<char>& wanted) {

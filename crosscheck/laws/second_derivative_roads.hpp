@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -42,9 +43,6 @@ class SecondDerivativeRoads {
         twice_(lifted<Twice>(once_)),
         ws_(model_),
         ws_twice_(twice_),
-        room_(model_),
-        of_tau_(model_),
-        of_qdd_(model_),
         lagrange_(programs, DualNumbers<Numbers>(number)) {}
 
   SecondDerivativeRoads& at(scene::State<T> state) {
@@ -55,7 +53,8 @@ class SecondDerivativeRoads {
     state_.tau.assign(u_.size(), T(0));
     recursive::inverseDynamics(model_, state_.x, state_.qd, state_.qdd, ws_, state_.tau);
     said_.clear();
-    has_forces_ = has_accelerations_ = false;
+    solvers_.clear();
+    sweep_.reset();
     return *this;
   }
   TwoSides<T> sides(const SecondPair& pair) {
@@ -120,29 +119,45 @@ class SecondDerivativeRoads {
   static MatrixX<T> derivativeOf(const MatrixX<Once>& m) {
     return m.unaryExpr([](const Once& x) { return x.derivative; });
   }
+  /// (dtau/d part) direction, by Lagrange's derivatives at a moving state.
+  MatrixX<Once> columnAlong(scene::State<Once> moved, Part part, const std::vector<T>& direction) {
+    moved.tau.assign(direction.begin(), direction.end());
+    return lagrange_.ofForces(moved).col(static_cast<int>(part));
+  }
+  /// A state that moves along w by one part, with M there, by L and D; qdd moves as well, by what
+  /// M x = -(dtau/d part) w says.
+  struct Solver {
+    scene::State<Once> moved;
+    MatrixX<Once> LDL;
+    MatrixX<Once> solved(MatrixX<Once> b) const {
+      Eigen::Ref<Eigen::Matrix<Once, Eigen::Dynamic, 1>> column = b.col(0);
+      recursive::solve(LDL, column);
+      return b;
+    }
+  };
+  const Solver& solverAlong(Part part) {
+    const auto it = solvers_.find(part);
+    if (it != solvers_.end()) return it->second;
+    Solver solver{moving(model_, state_, along(part, w_)), {}};
+    solver.LDL = lagrange_.M(solver.moved);
+    recursive::factorize(solver.LDL);
+    const MatrixX<Once> rate = solver.solved(-columnAlong(solver.moved, part, w_));
+    for (std::size_t i = 0; i < solver.moved.qdd.size(); ++i)
+      solver.moved.qdd[i].derivative = rate(static_cast<Eigen::Index>(i), 0).value;
+    return solvers_.emplace(part, std::move(solver)).first->second;
+  }
   /// What its first derivatives say along u, as the state moves along w. Those of qdd solve M x =
-  /// -(dtau/dy) u, or u, where qdd moves as well, by what that says along w.
+  /// -(dtau/dy) u, or u.
   MatrixX<T> byLagrange(SecondDerivative quantity) {
     const Parts parts = partsOf(quantity);
-    scene::State<Once> moved = moving(model_, state_, along(parts.first, w_));
-    const auto columnAlong = [&](Part part, const std::vector<T>& direction) {
-      moved.tau.assign(direction.begin(), direction.end());
-      return MatrixX<Once>(lagrange_.ofForces(moved).col(static_cast<int>(part)));
-    };
-    if (isOfForces(quantity)) return derivativeOf(columnAlong(parts.second, u_));
-    MatrixX<Once> M = lagrange_.M(moved);
-    recursive::factorize(M);
-    const auto solved = [&](MatrixX<Once> b) {
-      Eigen::Ref<Eigen::Matrix<Once, Eigen::Dynamic, 1>> column = b.col(0);
-      recursive::solve(M, column);
-      return b;
-    };
-    const MatrixX<Once> qdd_rate = solved(-columnAlong(parts.first, w_));
-    for (std::size_t i = 0; i < moved.qdd.size(); ++i)
-      moved.qdd[i].derivative = qdd_rate(static_cast<Eigen::Index>(i), 0).value;
-    if (parts.second != Part::kTau) return derivativeOf(solved(-columnAlong(parts.second, u_)));
-    return derivativeOf(
-        solved(Eigen::Map<const MatrixX<T>>(u_.data(), model_.dof(), 1).unaryExpr([](const T& x) {
+    if (isOfForces(quantity))
+      return derivativeOf(
+          columnAlong(moving(model_, state_, along(parts.first, w_)), parts.second, u_));
+    const Solver& solver = solverAlong(parts.first);
+    if (parts.second != Part::kTau)
+      return derivativeOf(solver.solved(-columnAlong(solver.moved, parts.second, u_)));
+    return derivativeOf(solver.solved(
+        Eigen::Map<const MatrixX<T>>(u_.data(), model_.dof(), 1).unaryExpr([](const T& x) {
           return Once(x);
         })));
   }
@@ -161,19 +176,32 @@ class SecondDerivativeRoads {
       column(static_cast<Eigen::Index>(i), 0) = out[i].derivative.derivative;
     return column;
   }
-  MatrixX<T> bySweep(SecondDerivative quantity) {
+  /// What the sweep has said of a state: n^3 numbers a quantity, made where it is asked.
+  struct Sweep {
+    explicit Sweep(const recursive::Model<T>& model) : room(model), of_tau(model) {}
+    recursive::SecondDerivativesWorkspace<T> room;
+    recursive::InverseDynamicsSecondDerivatives<T> of_tau;
+    std::optional<recursive::ForwardDynamicsSecondDerivatives<T>> of_qdd;
+  };
+  const recursive::Cube<T>& sweptCube(SecondDerivative quantity) {
     const bool of_forces = isOfForces(quantity);
-    if (of_forces && !has_forces_)
-      recursive::inverseDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd, room_,
-                                                  of_tau_);
-    if (!of_forces && !has_accelerations_)
-      recursive::forwardDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd, room_,
-                                                  of_tau_, of_qdd_);
-    has_forces_ = true;
-    has_accelerations_ = has_accelerations_ || !of_forces;
+    if (!sweep_ || !(of_forces || sweep_->of_qdd)) {
+      Sweep sweep(model_);
+      if (of_forces)
+        recursive::inverseDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd,
+                                                    sweep.room, sweep.of_tau);
+      else
+        recursive::forwardDynamicsSecondDerivatives(model_, state_.x, state_.qd, state_.qdd,
+                                                    sweep.room, sweep.of_tau,
+                                                    sweep.of_qdd.emplace(model_));
+      sweep_ = std::move(sweep);
+    }
     const auto k = static_cast<std::size_t>(quantity);
-    const recursive::Cube<T>& cube =
-        of_forces ? *of_tau_.all()[k] : *of_qdd_.all()[k - of_tau_.all().size()];
+    return of_forces ? *sweep_->of_tau.all()[k]
+                     : *sweep_->of_qdd->all()[k - sweep_->of_tau.all().size()];
+  }
+  MatrixX<T> bySweep(SecondDerivative quantity) {
+    const recursive::Cube<T>& cube = sweptCube(quantity);
     const MatrixX<T> u = Eigen::Map<const MatrixX<T>>(u_.data(), model_.dof(), 1);
     MatrixX<T> sum = MatrixX<T>::Constant(model_.dof(), 1, T(0));
     for (int j = 0; j < model_.dof(); ++j)
@@ -186,13 +214,11 @@ class SecondDerivativeRoads {
   recursive::Model<Twice> twice_;
   recursive::Workspace<T> ws_;
   recursive::Workspace<Twice> ws_twice_;
-  recursive::SecondDerivativesWorkspace<T> room_;
-  recursive::InverseDynamicsSecondDerivatives<T> of_tau_;
-  recursive::ForwardDynamicsSecondDerivatives<T> of_qdd_;
   LagrangeDerivativesRun<Once> lagrange_;
   scene::State<T> state_;
   std::vector<T> u_, w_;
-  bool has_forces_ = false, has_accelerations_ = false;  ///< by the sweep
+  std::map<Part, Solver> solvers_;
+  std::optional<Sweep> sweep_;
   std::map<std::pair<SecondDerivative, SecondRoad>, Said> said_;
 };
 

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The same tables for a terminal and for the report.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,80 +33,72 @@ std::string figure(const std::optional<double>& x) {
   return x ? figure(*x) : "-";
 }
 
-/// One contender at one scene: a cell a formula.
-struct Row {
-  std::string label;
-  struct Cell {
-    std::optional<double> ns, mujoco, simbody;
-  } cells[std::size(kTimed)];
-};
+/// Contenders at one scene: a cell for each of what was timed.
+template <typename Cell, std::size_t kCells>
 struct SceneTable {
+  struct Row {
+    std::string label;
+    std::array<Cell, kCells> cells;
+  };
   std::string scene;
   std::vector<Row> rows;
 };
 
-std::vector<SceneTable> sceneTables(const BenchResult& result) {
-  std::vector<SceneTable> tables;
+/// Of all scenes where any of `timed` was measured, and the contenders that were.
+/// @param cell  of what, scene and contender; its ns is none where that was not measured
+template <std::size_t kCells, typename CellOf>
+auto sceneTables(const BenchResult& result, const char* const (&timed)[kCells],
+                 const CellOf& cell) {
+  using Cell = std::invoke_result_t<CellOf, const char*, std::string, std::string>;
+  using Table = SceneTable<Cell, kCells>;
+  std::vector<Table> tables;
   for (const Measurement& m : result.measured) {
-    const bool is_new =
-        m.isTime() && std::none_of(tables.begin(), tables.end(),
-                                   [&](const SceneTable& t) { return t.scene == m.subject; });
-    if (!is_new) continue;
+    const bool is_timed =
+        m.unit == "ns" && std::find(std::begin(timed), std::end(timed), m.what) != std::end(timed);
+    if (!is_timed || std::any_of(tables.begin(), tables.end(),
+                                 [&](const Table& t) { return t.scene == m.subject; }))
+      continue;
     tables.push_back({m.subject, {}});
     for (const Contender& contender : result.contenders) {
-      Row row{contender.label, {}};
-      bool is_there = false;
-      for (std::size_t k = 0; k < std::size(kTimed); ++k) {
-        row.cells[k] = {result.value(kTimed[k], m.subject, contender.name, "ns"),
-                        result.timesFaster(kRawMujoco, kTimed[k], m.subject, contender.name),
-                        result.timesFaster(kRawSimbody, kTimed[k], m.subject, contender.name)};
-        is_there = is_there || row.cells[k].ns;
-      }
-      if (is_there) tables.back().rows.push_back(row);
+      typename Table::Row row{contender.label, {}};
+      for (std::size_t k = 0; k < kCells; ++k)
+        row.cells[k] = cell(timed[k], m.subject, contender.name);
+      if (std::any_of(row.cells.begin(), row.cells.end(),
+                      [](const Cell& c) { return c.ns.has_value(); }))
+        tables.back().rows.push_back(std::move(row));
     }
   }
   return tables;
 }
 
-/// Steps of one scene by one contender.
-struct StepRow {
-  std::string label;
-  struct Cell {
-    std::optional<double> ns, per_second, times_best;
-  } cells[std::size(kSteps)];
+/// Of one evaluation.
+struct TimeCell {
+  std::optional<double> ns, mujoco, simbody;
 };
-struct StepTable {
-  std::string scene;
-  std::vector<StepRow> rows;
-};
-
-std::vector<StepTable> stepTables(const BenchResult& result) {
-  std::vector<StepTable> tables;
-  for (const Measurement& m : result.measured) {
-    const bool is_new =
-        m.isStep() && std::none_of(tables.begin(), tables.end(),
-                                   [&](const StepTable& t) { return t.scene == m.subject; });
-    if (!is_new) continue;
-    tables.push_back({m.subject, {}});
-    for (const Contender& contender : result.contenders) {
-      StepRow row{contender.label, {}};
-      bool is_there = false;
-      for (std::size_t k = 0; k < std::size(kSteps); ++k) {
-        const auto ns = result.value(kSteps[k], m.subject, contender.name, "ns");
-        if (!ns) continue;
-        row.cells[k] = {ns, 1e9 / *ns,
-                        result.timesFasterThanEngines(kSteps[k], m.subject, contender.name)};
-        is_there = true;
-      }
-      if (is_there) tables.back().rows.push_back(row);
-    }
-  }
-  return tables;
+auto timeTables(const BenchResult& result) {
+  return sceneTables(result, kTimed,
+                     [&](const char* what, const std::string& scene, const std::string& by) {
+                       return TimeCell{result.value(what, scene, by, "ns"),
+                                       result.timesFaster(kRawMujoco, what, scene, by),
+                                       result.timesFaster(kRawSimbody, what, scene, by)};
+                     });
 }
 
-/// "1560 k"
-std::string perSecond(const std::optional<double>& x) {
-  return x ? figure(*x / 1000) + " k" : "-";
+/// Of one step.
+struct StepCell {
+  std::optional<double> ns, times_best;
+};
+auto stepTables(const BenchResult& result) {
+  return sceneTables(result, kSteps,
+                     [&](const char* what, const std::string& scene, const std::string& by) {
+                       return StepCell{result.value(what, scene, by, "ns"),
+                                       result.timesFasterThanEngines(what, scene, by)};
+                     });
+}
+
+/// "1560 k" of what takes so many nanoseconds.
+std::string perSecond(const std::optional<double>& ns) {
+  return ns ? figure(1e9 / *ns / 1000) + " k" : "-";
 }
 
 /// What else was measured, a line a contender: "5.44 ms, 2.48 MB, 1141 operations".
@@ -175,30 +174,30 @@ std::string how(const BenchResult& result, const char* line_end) {
 
 std::string benchText(const BenchResult& result) {
   std::string text;
-  for (const SceneTable& table : sceneTables(result)) {
+  for (const auto& table : timeTables(result)) {
     if (text.empty()) text = fmt::format("\n{}.\n", how(result, "\n"));
     text += fmt::format("\n{:<34}", table.scene);
     for (const char* formula : kTimed)
       text += fmt::format(" {:>8} {:>6} {:>6}", std::string(formula) + " [ns]", "xMuJ.", "xSimb.");
     text += "\n";
-    for (const Row& row : table.rows) {
+    for (const auto& row : table.rows) {
       text += fmt::format("{:<34}", row.label);
-      for (const Row::Cell& cell : row.cells)
+      for (const TimeCell& cell : row.cells)
         text += fmt::format(" {:>8} {:>6} {:>6}", figure(cell.ns), figure(cell.mujoco),
                             figure(cell.simbody));
       text += "\n";
     }
   }
-  for (const StepTable& table : stepTables(result)) {
+  for (const auto& table : stepTables(result)) {
     text += fmt::format("\n{:<42}", table.scene + ", whole steps of time");
     for (const char* step : kSteps)
       text +=
           fmt::format(" {:>13} {:>10} {:>7}", std::string(step) + " [ns]", "a second", "x best");
     text += "\n";
-    for (const StepRow& row : table.rows) {
+    for (const auto& row : table.rows) {
       text += fmt::format("{:<42}", row.label);
-      for (const StepRow::Cell& cell : row.cells)
-        text += fmt::format(" {:>13} {:>10} {:>7}", figure(cell.ns), perSecond(cell.per_second),
+      for (const StepCell& cell : row.cells)
+        text += fmt::format(" {:>13} {:>10} {:>7}", figure(cell.ns), perSecond(cell.ns),
                             figure(cell.times_best));
       text += "\n";
     }
@@ -285,7 +284,7 @@ void putGoals(std::string* page, const BenchResult& result) {
 }
 
 void putTimes(std::string* page, const BenchResult& result) {
-  for (const SceneTable& table : sceneTables(result)) {
+  for (const auto& table : timeTables(result)) {
     openTable(
         page, "Table of times",
         table.scene + ": nanoseconds a state, and how many times faster than MuJoCo and Simbody.");
@@ -296,9 +295,9 @@ void putTimes(std::string* page, const BenchResult& result) {
           "<th scope=\"col\" class=\"n\">× Simbody</th>",
           formula);
     *page += "</tr></thead>\n<tbody>\n";
-    for (const Row& row : table.rows) {
+    for (const auto& row : table.rows) {
       *page += fmt::format("<tr><th scope=\"row\">{}</th>", esc(row.label));
-      for (const Row::Cell& cell : row.cells)
+      for (const TimeCell& cell : row.cells)
         *page +=
             fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
                         figure(cell.ns), figure(cell.mujoco), figure(cell.simbody));
@@ -309,7 +308,7 @@ void putTimes(std::string* page, const BenchResult& result) {
 }
 
 void putSteps(std::string* page, const BenchResult& result) {
-  for (const StepTable& table : stepTables(result)) {
+  for (const auto& table : stepTables(result)) {
     openTable(
         page, "Table of steps",
         table.scene +
@@ -322,12 +321,12 @@ void putSteps(std::string* page, const BenchResult& result) {
           "<th scope=\"col\" class=\"n\">× best</th>",
           step);
     *page += "</tr></thead>\n<tbody>\n";
-    for (const StepRow& row : table.rows) {
+    for (const auto& row : table.rows) {
       *page += fmt::format("<tr><th scope=\"row\">{}</th>", esc(row.label));
-      for (const StepRow::Cell& cell : row.cells)
+      for (const StepCell& cell : row.cells)
         *page +=
             fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                        figure(cell.ns), perSecond(cell.per_second), figure(cell.times_best));
+                        figure(cell.ns), perSecond(cell.ns), figure(cell.times_best));
       *page += "</tr>\n";
     }
     *page += "</tbody>\n</table>\n</div>\n";

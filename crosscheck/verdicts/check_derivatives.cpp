@@ -13,6 +13,7 @@
 #include "crosscheck/laws/narrow_sides.hpp"
 #include "crosscheck/verdicts/identity_tallies.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "crosscheck/witnesses/textbook_derivatives.hpp"
 #include "recursive/fast/derivatives.hpp"
@@ -201,11 +202,6 @@ class AgainstTruth {
   static MatrixX<Ball> exactly(const Eigen::MatrixXd& m) {
     return m.unaryExpr([](double x) { return Ball(x); });
   }
-  static double largestOf(const MatrixX<Ball>& m) {
-    double largest = 0;
-    for (const Ball& x : m.reshaped()) largest = std::max(largest, x.atMost());
-    return largest;
-  }
   static CheckResult described(Derivative quantity, DerivativeRoad road, std::uint64_t seed) {
     CheckResult check;
     check.kind = CheckKind::kTruth;
@@ -228,12 +224,8 @@ class AgainstTruth {
                          largestOf(of));
   }
   void countDigits(const MatrixX<Ball>& distance, const MatrixX<Ball>& of) {
-    const double farthest = largestOf(distance), largest = largestOf(of);
-    if (!std::isfinite(farthest) || !(largest > 0)) return;
-    constexpr double kMost = std::numeric_limits<double>::max_digits10;
-    const double digits =
-        farthest > 0 ? std::clamp(-std::log10(farthest / largest), 0.0, kMost) : kMost;
-    digits_ = std::min(digits_.value_or(kMost), digits);
+    const std::optional<double> digits = digitsLeft(distance, of);
+    if (digits) digits_ = std::min(digits_.value_or(*digits), *digits);
   }
 
   Derivative quantity_;
@@ -263,13 +255,7 @@ std::vector<CheckResult> withoutFast(const scene::Mechanism& mechanism, std::uin
 }  // namespace
 
 CheckResult inWords(const DerivativePair& pair) {
-  CheckResult check;
-  check.kind = CheckKind::kSame;
-  check.quantity = name(pair.quantity);
-  check.left = name(pair.left);
-  check.right = name(pair.right);
-  check.statement = fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
-  return check;
+  return sameInWords(name(pair.quantity), name(pair.left), name(pair.right));
 }
 
 std::vector<CheckResult> checkDerivatives(const PreparedScene& prepared, const Options& options,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The identities on our own sweeps, each side with its running error bound.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -138,11 +139,22 @@ void askInBalls(const scene::Scene& scene, const Options& options, std::vector<C
 
 }  // namespace
 
+double largestOf(const MatrixX<Ball>& m) {
+  double largest = 0;
+  for (const Ball& x : m.reshaped()) largest = std::max(largest, x.atMost());
+  return largest;
+}
+
+std::optional<double> digitsLeft(const MatrixX<Ball>& distance, const MatrixX<Ball>& of) {
+  constexpr double kMost = std::numeric_limits<double>::max_digits10;
+  const double farthest = largestOf(distance), largest = largestOf(of);
+  if (!std::isfinite(farthest) || !(largest > 0)) return std::nullopt;
+  return farthest > 0 ? std::clamp(-std::log10(farthest / largest), 0.0, kMost) : kMost;
+}
+
 void addBalls(Tally& tally, int state, const TwoSides<Ball>& sides, const std::string& excuse) {
   if (!sides.failure.empty()) return tally.fail(state, sides.failure, sides.failure);
-  double largest = 0;
-  for (const MatrixX<Ball>* side : {&sides.left, &sides.right})
-    for (const Ball& x : side->reshaped()) largest = std::max(largest, x.atMost());
+  const double largest = std::max(largestOf(sides.left), largestOf(sides.right));
   // a difference contains 0 when its midpoint is within its radius
   const MatrixX<Ball> difference = sides.left - sides.right;
   tally.addDifference(state, difference.unaryExpr([](const Ball& x) { return x.mid(); }),

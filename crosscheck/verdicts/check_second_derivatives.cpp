@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/laws/narrow_sides.hpp"
 #include "crosscheck/laws/second_derivative_pairs.hpp"
+#include "crosscheck/verdicts/identity_tallies.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/build_model.hpp"
@@ -64,12 +63,6 @@ CheckResult described(std::size_t quantity, CheckKind kind, std::uint64_t seed) 
   return check;
 }
 
-double largestOf(const MatrixX<Ball>& m) {
-  double largest = 0;
-  for (const Ball& x : m.reshaped()) largest = std::max(largest, x.atMost());
-  return largest;
-}
-
 }  // namespace
 
 std::vector<CheckResult> checkSecondDerivatives(const PreparedScene& prepared,
@@ -95,7 +88,6 @@ std::vector<CheckResult> checkSecondDerivatives(const PreparedScene& prepared,
   const BallPrecision precision(kFirstBits);
   for (std::size_t k = 0; k < kOfForces; ++k) {
     const MatrixX<Ball> distance = said[k].unaryExpr([](double x) { return Ball(x); }) - truth[k];
-    const double largest = largestOf(truth[k]), farthest = largestOf(distance);
     const Eigen::Index n = truth[k].rows();
     Tally tally(described(k, CheckKind::kTruth, options.seed),
                 [n, quantity = kSecondDerivativeNames[k]](Eigen::Index i, Eigen::Index column) {
@@ -107,12 +99,9 @@ std::vector<CheckResult> checkSecondDerivatives(const PreparedScene& prepared,
       return x.bound();
     }) + distance.unaryExpr([](const Ball& x) { return x.radius(); });
     tally.addDifference(0, distance.unaryExpr([](const Ball& x) { return x.mid(); }), limit,
-                        largest);
+                        largestOf(truth[k]));
     results.push_back(tally.result());
-    if (!std::isfinite(farthest) || !(largest > 0)) continue;
-    constexpr double kMost = std::numeric_limits<double>::max_digits10;
-    results.back().digits =
-        farthest > 0 ? std::clamp(-std::log10(farthest / largest), 0.0, kMost) : kMost;
+    results.back().digits = digitsLeft(distance, truth[k]);
   }
   work.done();
   return results;

@@ -10,6 +10,7 @@
 
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/verdicts/testimony.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -36,17 +37,11 @@ PairComparison::PairComparison(Quantity quantity, std::vector<std::string> witne
   if (with_control) witnesses.emplace_back(kControl);
   for (std::size_t a = 0; a < witnesses.size(); ++a) {
     for (std::size_t b = a + 1; b < witnesses.size(); ++b) {
-      CheckResult check;
-      check.kind = CheckKind::kSame;
-      check.quantity = name(quantity);
-      check.left = witnesses[a];
-      check.right = witnesses[b];
+      CheckResult check = sameInWords(name(quantity), witnesses[a], witnesses[b]);
       check.right_is_control = with_control && b + 1 == witnesses.size();
-      check.statement =
-          quantity == Quantity::kQdd
-              ? fmt::format("M (qdd by {} - qdd by {}) = 0, in forces", check.left, check.right)
-              : fmt::format("{} by {} = {} by {}", check.quantity, check.left, check.quantity,
-                            check.right);
+      if (quantity == Quantity::kQdd)
+        check.statement =
+            fmt::format("M (qdd by {} - qdd by {}) = 0, in forces", check.left, check.right);
       check.seed = options.seed;
       tallies_.emplace_back(check);
     }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,16 @@
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/verdicts/tally.hpp"
+#include "scene/matrix.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// The largest magnitude that any entry may have.
+double largestOf(const scene::MatrixX<Ball>& m);
+/// Decimal digits of an answer whose entries are so far off, as a share of the largest entry; none:
+/// that is 0, or no number.
+std::optional<double> digitsLeft(const scene::MatrixX<Ball>& distance,
+                                 const scene::MatrixX<Ball>& of);
 
 /// Both sides in balls at a state: their difference must contain 0.
 /// @param excuse  why there may be nothing to compare where a ball is not finite; empty: there is

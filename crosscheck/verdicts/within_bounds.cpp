@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "crosscheck/verdicts/tally.hpp"
 
 namespace dynwitness::crosscheck {
@@ -19,6 +21,17 @@ std::vector<CheckResult> inWords(const std::vector<LawWords>& laws) {
     checks.back().right = law.right;
   }
   return checks;
+}
+
+CheckResult sameInWords(const std::string& quantity, const std::string& left,
+                        const std::string& right) {
+  CheckResult check;
+  check.kind = CheckKind::kSame;
+  check.quantity = quantity;
+  check.left = left;
+  check.right = right;
+  check.statement = fmt::format("{0} by {1} = {0} by {2}", quantity, left, right);
+  return check;
 }
 
 std::vector<CheckResult> explained(const std::vector<LawWords>& laws,

@@ -2,6 +2,7 @@
 // Laws as checks: their words, and their two sides within rounding.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "crosscheck/laws/law.hpp"
@@ -12,6 +13,10 @@ namespace dynwitness::crosscheck {
 
 /// Checks with these words and no verdict yet.
 std::vector<CheckResult> inWords(const std::vector<LawWords>& laws);
+
+/// A quantity by two who answer it, "M by left = M by right", and no verdict yet.
+CheckResult sameInWords(const std::string& quantity, const std::string& left,
+                        const std::string& right);
 
 /// The checks of these laws, of which those without a value say what that means.
 std::vector<CheckResult> explained(const std::vector<LawWords>& laws,

@@ -109,15 +109,10 @@ void requireSecondDerivatives(Wrist w) {
 
 BOOST_AUTO_TEST_SUITE(known_answers)
 
-// By hand: a point of 3 kg, 2 m from a turning joint, 5 m/s^2, spring and damper:
-// tau = 12 qdd + 30 sin q + 7 q + 0.5 qd, so that only the weight has a second derivative
+// By hand, of springPendulum(): tau = 12 qdd + 30 sin q + 7 q + 0.5 qd, so that only the weight has
+// a second derivative
 BOOST_AUTO_TEST_CASE(a_pendulum) {
-  const scene::Scene scene = scene::readSceneToml(
-      "gravity = [0, 0, -5]\n[[link]]\nname = \"base\"\n[[link]]\nname = \"bob\"\nparent = "
-      "\"base\"\nmass = 3\ncom = [0, 0, -2]\n[link.joint]\nkind = \"revolute\"\naxis = [0, 1, "
-      "0]\nstiffness = 7\nfriction = { viscous = 0.5 }\n",
-      "pendulum.toml");
-  const auto model = buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+  const Model<double> model = fixtures::springPendulum();
   SecondDerivativesWorkspace<double> room(model);
   InverseDynamicsSecondDerivatives<double> of(model);
   ForwardDynamicsSecondDerivatives<double> of_qdd(model);

@@ -38,6 +38,7 @@
 #include "crosscheck/witnesses/witness.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "tests/crosscheck/conductor/faulty_field.hpp"
+#include "tests/fixtures/other_arms.hpp"
 #include "tests/fixtures/wrong_roads.hpp"
 
 namespace data = boost::unit_test::data;
@@ -46,6 +47,7 @@ using namespace dynwitness;
 using namespace dynwitness::crosscheck;
 using fixtures::Faulty;
 using fixtures::FaultyNumbers;
+using fixtures::times;
 
 namespace {
 
@@ -72,10 +74,6 @@ Options few(int states) {
   options.states = states;
   options.drift = false;
   return options;
-}
-
-scene::Number times(const scene::Number& number, const char* factor) {
-  return scene::Number::parse("(" + number.text() + ") * " + factor);
 }
 
 // ---- plants
@@ -196,9 +194,7 @@ std::set<std::string> redByOtherDerivatives() {
   scene::Scene mass = scene, length = scene;
   for (scene::Link& link : mass.mechanism.links)
     link.inertia.mass = times(link.inertia.mass, "(1 + 1e-6)");
-  for (scene::Link& link : length.mechanism.links)
-    for (scene::Number* x : {&link.joint.placement.a, &link.joint.placement.d})
-      *x = times(*x, "(1 + 1e-6)");
+  length.mechanism = fixtures::withLengthsTimes(length.mechanism, "(1 + 1e-6)");
   std::set<std::string> kinds;
   for (const scene::Scene* wrong : {&mass, &length}) {
     const PreparedScene answering(*wrong);

@@ -14,6 +14,7 @@
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "scene/families.hpp"
+#include "tests/fixtures/other_arms.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -45,10 +46,7 @@ BOOST_DATA_TEST_CASE(every_road_says_the_same,
 // Lengths off by 1e-18 are in all second derivatives, and Lagrange's road is named.
 BOOST_AUTO_TEST_CASE(another_lagrangian_stands_alone) {
   const scene::Scene scene = scene::findScene("puma_560");
-  scene::Mechanism wrong = scene.mechanism;
-  for (scene::Link& link : wrong.links)
-    for (scene::Number* x : {&link.joint.placement.a, &link.joint.placement.d})
-      *x = scene::Number::parse("(" + x->text() + ") * (1 + 1e-18)");
+  const scene::Mechanism wrong = fixtures::withLengthsTimes(scene.mechanism, "(1 + 1e-18)");
   const std::vector<CheckResult> checks = checkSecondDerivativesExactly(scene, {}, &wrong);
   for (const CheckResult& check : checks)
     BOOST_TEST((check.verdict == Verdict::kDisagree) == (check.left == "lagrange"),
@@ -61,9 +59,7 @@ BOOST_AUTO_TEST_CASE(another_lagrangian_stands_alone) {
 BOOST_AUTO_TEST_CASE(answers_of_another_arm_are_beyond_their_limits) {
   const scene::Scene scene = scene::findScene("puma_560");
   scene::Scene wrong = scene;
-  for (scene::Link& link : wrong.mechanism.links)
-    for (scene::Number* x : {&link.joint.placement.a, &link.joint.placement.d})
-      *x = scene::Number::parse("(" + x->text() + ") * (1 + 1e-9)");
+  wrong.mechanism = fixtures::withLengthsTimes(wrong.mechanism, "(1 + 1e-9)");
   const PreparedScene answering(wrong);
   const std::vector<CheckResult> checks = checkSecondDerivatives(scene, {}, &answering);
   BOOST_TEST(checks.size() == 4u);

@@ -14,6 +14,7 @@
 #include "crosscheck/motion/derivative_quantities.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/tally.hpp"
+#include "tests/fixtures/other_arms.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -33,10 +34,6 @@ std::set<std::string> red(const std::vector<CheckResult>& checks, CheckKind kind
     if (check.kind == kind && check.verdict == Verdict::kDisagree)
       quantities.insert(check.quantity);
   return quantities;
-}
-
-scene::Number times(const scene::Number& number, const char* factor) {
-  return scene::Number::parse("(" + number.text() + ") * " + factor);
 }
 
 }  // namespace
@@ -70,10 +67,7 @@ BOOST_DATA_TEST_CASE(every_road_says_the_same,
 // Lengths off by 1e-18 are in all derivatives.
 BOOST_AUTO_TEST_CASE(another_lagrangian_stands_alone) {
   const scene::Scene scene = scene::findScene("puma_560");
-  scene::Mechanism wrong = scene.mechanism;
-  for (scene::Link& link : wrong.links)
-    for (scene::Number* x : {&link.joint.placement.a, &link.joint.placement.d})
-      *x = times(*x, "(1 + 1e-18)");
+  const scene::Mechanism wrong = fixtures::withLengthsTimes(scene.mechanism, "(1 + 1e-18)");
   const std::vector<CheckResult> checks = checkDerivativesExactly(scene, {}, &wrong);
   BOOST_TEST(red(checks, CheckKind::kSame).size() == 6u);
   const std::vector<Finding> findings = findOutliers(scene.name, checks);
@@ -84,9 +78,7 @@ BOOST_AUTO_TEST_CASE(another_lagrangian_stands_alone) {
 BOOST_AUTO_TEST_CASE(answers_of_another_arm_are_beyond_their_limits) {
   const scene::Scene scene = scene::findScene("puma_560");
   scene::Scene wrong = scene;
-  for (scene::Link& link : wrong.mechanism.links)
-    for (scene::Number* x : {&link.joint.placement.a, &link.joint.placement.d})
-      *x = times(*x, "(1 + 1e-9)");
+  wrong.mechanism = fixtures::withLengthsTimes(wrong.mechanism, "(1 + 1e-9)");
   const PreparedScene answering(wrong);
   const std::vector<CheckResult> checks = checkDerivatives(scene, few(), &answering);
   BOOST_TEST(red(checks, CheckKind::kTruth).size() == 6u);
